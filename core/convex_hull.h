@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Convex hulls, for crown measures.
+#pragma once
+
+#include <vector>
+
+#include "core/types.h"
+
+namespace dendrofit {
+
+/// Plan-view hull of points' (x, y).
+struct PlanHull {
+  double area_m2 = 0;
+  double perimeter_m = 0;
+};
+
+/// Area and perimeter of the hull of the points' horizontal positions; zeros for fewer than three distinct points.
+PlanHull plan_hull(const std::vector<Vec3>& points);
+
+/// Volume (cubic metres) of the 3-D hull; 0 for fewer than four points or points in one plane.
+double hull_volume(const std::vector<Vec3>& points);
+
+}  // namespace dendrofit
