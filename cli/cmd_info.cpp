@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dendrofit info FILE
-#include <fmt/format.h>
-
-#include <nlohmann/json.hpp>
-
 #include "cli/commands.h"
 #include "core/metrics.h"
 #include "io/file_info.h"
 #include "io/metrics_json.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace dendrofit::cli {
 namespace {
@@ -46,12 +45,15 @@ class Info : public Command {
     session.say(fmt::format("{}: {} ({}), {} bytes", file_.string(), info.kind, info.format, info.bytes));
     if (info.cloud) session.say(fmt::format("  points      {}", info.cloud->size()));
     if (info.kind == "mesh") session.say(fmt::format("  triangles   {}", info.rows));
-    if (info.kind == "table") session.say(fmt::format("  series      {}\n  rows        {}", info.series, info.rows));
+    if (info.kind == "table")
+      session.say(fmt::format("  series      {}\n  rows        {}", info.series, info.rows));
     for (const auto& [key, value] : info.details) session.say(fmt::format("  {:<11} {}", key, value));
     if (!info.bounds.empty()) {
       const Vec3 size = info.bounds.size();
-      session.say(fmt::format("  from        {:.3f} {:.3f} {:.3f} m", info.bounds.lo.x(), info.bounds.lo.y(), info.bounds.lo.z()));
-      session.say(fmt::format("  to          {:.3f} {:.3f} {:.3f} m", info.bounds.hi.x(), info.bounds.hi.y(), info.bounds.hi.z()));
+      session.say(fmt::format("  from        {:.3f} {:.3f} {:.3f} m", info.bounds.lo.x(), info.bounds.lo.y(),
+                              info.bounds.lo.z()));
+      session.say(fmt::format("  to          {:.3f} {:.3f} {:.3f} m", info.bounds.hi.x(), info.bounds.hi.y(),
+                              info.bounds.hi.z()));
       session.say(fmt::format("  size        {:.3f} x {:.3f} x {:.3f} m", size.x(), size.y(), size.z()));
     }
     if (!info.crs_wkt.empty()) session.say("  CRS         " + info.crs_wkt);
@@ -65,6 +67,8 @@ class Info : public Command {
 
 }  // namespace
 
-std::unique_ptr<Command> make_info() { return std::make_unique<Info>(); }
+std::unique_ptr<Command> make_info() {
+  return std::make_unique<Info>();
+}
 
 }  // namespace dendrofit::cli

@@ -2,11 +2,11 @@
 // The makers of every command (rows of the table in commands.cpp), and what several of them print.
 #pragma once
 
-#include <memory>
-
 #include "cli/command.h"
 #include "core/metrics.h"
 #include "core/tree.h"
+
+#include <memory>
 
 namespace dendrofit::cli {
 

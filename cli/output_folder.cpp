@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/output_folder.h"
 
-#include <fmt/format.h>
-#include <zlib.h>
+#include "cli/parse.h"
+#include "cli/version.h"
+#include "core/errors.h"
+#include "io/toml.h"
 
 #include <array>
 #include <fstream>
 #include <system_error>
 
-#include "cli/parse.h"
-#include "cli/version.h"
-#include "core/errors.h"
-#include "io/toml.h"
+#include <fmt/format.h>
+#include <zlib.h>
 
 namespace dendrofit::cli {
 
@@ -23,7 +23,8 @@ fs::path prepare_output_folder(const fs::path& folder, const CommonOptions& comm
   if (fs::exists(folder, error)) {
     if (!fs::is_directory(folder)) throw IoError(folder.string() + ": is a file; -o wants a folder");
     if (!fs::is_empty(folder) && !common.force)
-      throw UsageError(folder.string() + ": this folder holds files already; give --force to overwrite results in it");
+      throw UsageError(folder.string() +
+                       ": this folder holds files already; give --force to overwrite results in it");
     return folder;
   }
   fs::create_directories(folder, error);

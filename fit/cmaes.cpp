@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fit/cmaes.h"
 
-#include <Eigen/Eigenvalues>
+#include "core/errors.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "core/errors.h"
+#include <Eigen/Eigenvalues>
 
 namespace dendrofit {
 namespace {
@@ -69,18 +70,21 @@ void Cmaes::tell(const std::vector<double>& costs) {
   std::vector<std::size_t> rank(lambda_);
   std::iota(rank.begin(), rank.end(), std::size_t{0});
   const auto worth = [&](std::size_t i) { return std::isnan(costs[i]) ? HUGE_VAL : costs[i]; };
-  std::stable_sort(rank.begin(), rank.end(), [&](std::size_t a, std::size_t b) { return worth(a) < worth(b); });
+  std::stable_sort(rank.begin(), rank.end(),
+                   [&](std::size_t a, std::size_t b) { return worth(a) < worth(b); });
 
   const auto n = static_cast<double>(n_);
   const Eigen::VectorXd old = mean_;
   mean_.setZero();
-  for (Eigen::Index i = 0; i < weights_.size(); ++i) mean_ += weights_[i] * candidates_[rank[static_cast<std::size_t>(i)]];
+  for (Eigen::Index i = 0; i < weights_.size(); ++i)
+    mean_ += weights_[i] * candidates_[rank[static_cast<std::size_t>(i)]];
   const Eigen::VectorXd y = (mean_ - old) / step_;
 
   ++generation_;
   path_sigma_ = (1 - c_sigma_) * path_sigma_ + std::sqrt(c_sigma_ * (2 - c_sigma_) * mu_eff_) *
                                                    (basis_ * (basis_.transpose() * y).cwiseQuotient(axes_));
-  const double expected = std::sqrt(1 - std::pow(1 - c_sigma_, 2.0 * generation_)) * (1.4 + 2 / (n + 1)) * chi_n_;
+  const double expected =
+      std::sqrt(1 - std::pow(1 - c_sigma_, 2.0 * generation_)) * (1.4 + 2 / (n + 1)) * chi_n_;
   const bool moving = path_sigma_.norm() < expected;
   path_c_ = (1 - c_c_) * path_c_ + (moving ? std::sqrt(c_c_ * (2 - c_c_) * mu_eff_) : 0.0) * y;
 

@@ -2,24 +2,26 @@
 // CMA-ES by ask and tell, so that the caller evaluates a generation in parallel and may stop after any.
 #pragma once
 
-#include <Eigen/Core>
+#include "core/random.h"
+
 #include <cstdint>
 #include <vector>
 
-#include "core/random.h"
+#include <Eigen/Core>
 
 namespace dendrofit {
 
 struct CmaesOptions {
-  double initial_step = 0.2;      ///< of the unit box
-  int population = 0;             ///< 0: 4 + floor(3 ln n)
+  double initial_step = 0.2;  ///< of the unit box
+  int population = 0;         ///< 0: 4 + floor(3 ln n)
   std::uint64_t seed = 1;
   void validate() const;
 };
 
 /// Covariance matrix adaptation evolution strategy (Hansen 2016, "The CMA Evolution Strategy: A Tutorial",
-/// (mu/mu_w, lambda) with rank-one and rank-mu update) minimising over the unit box [0,1]^n. Candidates outside are
-/// reflected into it. All draws are keyed by (seed, generation, candidate): the run depends on nothing else.
+/// (mu/mu_w, lambda) with rank-one and rank-mu update) minimising over the unit box [0,1]^n. Candidates
+/// outside are reflected into it. All draws are keyed by (seed, generation, candidate): the run depends on
+/// nothing else.
 class Cmaes {
  public:
   Cmaes(const Eigen::VectorXd& start, const CmaesOptions& options);

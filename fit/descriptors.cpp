@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fit/descriptors.h"
 
+#include "core/errors.h"
+#include "core/metrics.h"
+#include "core/tree_topology.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,22 +12,20 @@
 #include <numbers>
 #include <optional>
 
-#include "core/errors.h"
-#include "core/metrics.h"
-#include "core/tree_topology.h"
-
 namespace dendrofit {
 
 struct DescriptorInput {
-  Tree tree;                 ///< comparable_tree
+  Tree tree;  ///< comparable_tree
   std::vector<Axis> axes;
   Vec3 foot = Vec3::Zero();
   double height = 0;
   double total_volume = 0;
   double total_length = 0;
-  double length_centroid = 0;                    ///< height of the wood length's centroid above the foot
-  std::vector<std::pair<double, double>> volume_by_height;   ///< (height of the piece's middle, volume), rising
-  std::vector<std::pair<double, double>> reach;  ///< (relative height, horizontal distance from the stem foot)
+  double length_centroid = 0;  ///< height of the wood length's centroid above the foot
+  std::vector<std::pair<double, double>>
+      volume_by_height;  ///< (height of the piece's middle, volume), rising
+  std::vector<std::pair<double, double>>
+      reach;  ///< (relative height, horizontal distance from the stem foot)
   std::optional<double> dbh;
 };
 
@@ -32,7 +34,9 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-double log_or_none(double value) { return value > 0 ? std::log(value) : kNone; }
+double log_or_none(double value) {
+  return value > 0 ? std::log(value) : kNone;
+}
 
 /// Share of the wood volume below `share` of the height.
 double volume_below(const DescriptorInput& in, double share) {
@@ -44,7 +48,8 @@ double volume_below(const DescriptorInput& in, double share) {
   return in.total_volume > 0 ? below / in.total_volume : kNone;
 }
 
-/// 90th percentile of the horizontal reach within a fifth of the height about `centre` (relative), over the height.
+/// 90th percentile of the horizontal reach within a fifth of the height about `centre` (relative), over the
+/// height.
 double reach_at(const DescriptorInput& in, double centre) {
   std::vector<double> band;
   for (const auto& [z, distance] : in.reach)
@@ -73,10 +78,12 @@ double mean_over_axes(const DescriptorInput& in, int order, Value value) {
 }
 
 int axis_count(const DescriptorInput& in, int order) {
-  return static_cast<int>(std::count_if(in.axes.begin(), in.axes.end(), [&](const Axis& a) { return a.order == order; }));
+  return static_cast<int>(
+      std::count_if(in.axes.begin(), in.axes.end(), [&](const Axis& a) { return a.order == order; }));
 }
 
-/// Direction of an axis over its first tenth (at least its first node): the angle at which it leaves its parent.
+/// Direction of an axis over its first tenth (at least its first node): the angle at which it leaves its
+/// parent.
 Vec3 first_direction(const Tree& tree, const Axis& axis, double length) {
   const Vec3 base = tree.start[static_cast<std::size_t>(axis.nodes.front())];
   double run = 0;
@@ -104,7 +111,8 @@ double chord_elevation(const DescriptorInput& in, const Axis& axis) {
 
 double angle_spread(const DescriptorInput& in) {
   const double mean = mean_over_axes(in, 1, [&](const Axis& a) { return insertion_angle(in, a); });
-  const double square = mean_over_axes(in, 1, [&](const Axis& a) { return std::pow(insertion_angle(in, a) - mean, 2); });
+  const double square =
+      mean_over_axes(in, 1, [&](const Axis& a) { return std::pow(insertion_angle(in, a) - mean, 2); });
   return axis_count(in, 1) >= 3 ? std::sqrt(square) : kNone;
 }
 
@@ -120,22 +128,33 @@ constexpr auto kTable = std::to_array<DescriptorRow>({
      [](In in) { return log_or_none(in.height); }},
     {"dbh", "log m", 0.03, "stem diameter at 1.3 m",
      [](In in) { return in.dbh ? log_or_none(*in.dbh) : kNone; }},
-    {"volume", "log m3", 0.08, "volume of the visible wood", [](In in) { return log_or_none(in.total_volume); }},
+    {"volume", "log m3", 0.08, "volume of the visible wood",
+     [](In in) { return log_or_none(in.total_volume); }},
     {"length", "log", 0.15, "length of the visible wood over the height",
      [](In in) { return log_or_none(in.total_length / in.height); }},
-    {"volume_below_10", "", 0.02, "share of wood volume in the lowest tenth", [](In in) { return volume_below(in, 0.10); }},
-    {"volume_below_25", "", 0.02, "share of wood volume in the lowest quarter", [](In in) { return volume_below(in, 0.25); }},
-    {"volume_below_50", "", 0.02, "share of wood volume in the lower half", [](In in) { return volume_below(in, 0.50); }},
-    {"volume_below_75", "", 0.01, "share of wood volume in the lower three quarters", [](In in) { return volume_below(in, 0.75); }},
+    {"volume_below_10", "", 0.02, "share of wood volume in the lowest tenth",
+     [](In in) { return volume_below(in, 0.10); }},
+    {"volume_below_25", "", 0.02, "share of wood volume in the lowest quarter",
+     [](In in) { return volume_below(in, 0.25); }},
+    {"volume_below_50", "", 0.02, "share of wood volume in the lower half",
+     [](In in) { return volume_below(in, 0.50); }},
+    {"volume_below_75", "", 0.01, "share of wood volume in the lower three quarters",
+     [](In in) { return volume_below(in, 0.75); }},
     {"length_centroid", "", 0.03, "height of the wood length's centroid over the height",
      [](In in) { return in.length_centroid / in.height; }},
-    {"reach_20", "", 0.02, "crown radius about 0.2 of the height, over the height", [](In in) { return reach_at(in, 0.2); }},
-    {"reach_40", "", 0.02, "crown radius about 0.4 of the height, over the height", [](In in) { return reach_at(in, 0.4); }},
-    {"reach_60", "", 0.02, "crown radius about 0.6 of the height, over the height", [](In in) { return reach_at(in, 0.6); }},
-    {"reach_80", "", 0.02, "crown radius about 0.8 of the height, over the height", [](In in) { return reach_at(in, 0.8); }},
+    {"reach_20", "", 0.02, "crown radius about 0.2 of the height, over the height",
+     [](In in) { return reach_at(in, 0.2); }},
+    {"reach_40", "", 0.02, "crown radius about 0.4 of the height, over the height",
+     [](In in) { return reach_at(in, 0.4); }},
+    {"reach_60", "", 0.02, "crown radius about 0.6 of the height, over the height",
+     [](In in) { return reach_at(in, 0.6); }},
+    {"reach_80", "", 0.02, "crown radius about 0.8 of the height, over the height",
+     [](In in) { return reach_at(in, 0.8); }},
     {"crown_base", "", 0.03, "height of the lowest long branch over the height", crown_base},
-    {"taper_35", "", 0.05, "stem diameter at 0.35 of the height over DBH", [](In in) { return taper(in, 0.35); }},
-    {"taper_65", "", 0.05, "stem diameter at 0.65 of the height over DBH", [](In in) { return taper(in, 0.65); }},
+    {"taper_35", "", 0.05, "stem diameter at 0.35 of the height over DBH",
+     [](In in) { return taper(in, 0.35); }},
+    {"taper_65", "", 0.05, "stem diameter at 0.65 of the height over DBH",
+     [](In in) { return taper(in, 0.65); }},
     {"branches_1", "log", 0.15, "number of first-order branches (plus one)",
      [](In in) { return std::log(1.0 + axis_count(in, 1)); }},
     {"branches_2_per_1", "log", 0.25, "second-order branches per first-order branch (plus one)",
@@ -144,7 +163,9 @@ constexpr auto kTable = std::to_array<DescriptorRow>({
        return first > 0 ? std::log(1.0 + double(axis_count(in, 2)) / first) : kNone;
      }},
     {"branch_length_1", "log", 0.10, "mean length of first-order branches over the height",
-     [](In in) { return log_or_none(mean_over_axes(in, 1, [](const Axis& a) { return a.length; }) / in.height); }},
+     [](In in) {
+       return log_or_none(mean_over_axes(in, 1, [](const Axis& a) { return a.length; }) / in.height);
+     }},
     {"insertion_1", "deg", 3, "mean angle at which first-order branches leave the stem",
      [](In in) { return mean_over_axes(in, 1, [&](const Axis& a) { return insertion_angle(in, a); }); }},
     {"insertion_spread_1", "deg", 3, "standard deviation of that angle", angle_spread},
@@ -211,7 +232,9 @@ Tree comparable_tree(const Tree& tree, const DescribeOptions& options) {
   return subset(part, keep);
 }
 
-std::span<const DescriptorRow> descriptor_table() { return kTable; }
+std::span<const DescriptorRow> descriptor_table() {
+  return kTable;
+}
 
 std::vector<double> describe(const Tree& tree, const DescribeOptions& options) {
   const DescriptorInput in = analyse(tree, options);

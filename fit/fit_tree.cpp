@@ -1,13 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fit/fit_tree.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <numeric>
-
 #include "core/errors.h"
 #include "core/random.h"
 #include "fit/cmaes.h"
@@ -16,15 +9,22 @@
 #include "fit/search_space.h"
 #include "fit/tree_simulator.h"
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
 namespace dendrofit {
 namespace {
 
 constexpr int kLargestBank = 240;
 constexpr int kJudgingSeeds = 8;
 constexpr double kIdentifiableShrinkage = 0.3;
-constexpr double kOldestYearly = 30;      // older trees: a cycle is several years
+constexpr double kOldestYearly = 30;  // older trees: a cycle is several years
 constexpr double kCyclesOfOldTrees = 24;
-constexpr double kPoorCost = 9;           // 3 sd a descriptor
+constexpr double kPoorCost = 9;  // 3 sd a descriptor
 // First keys of the three kinds of evaluation, so that no two share a seed.
 constexpr std::uint64_t kBankKeys = 0;
 constexpr std::uint64_t kSearchKeys = 1'000'000;
@@ -47,7 +47,8 @@ struct Problem {
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
 
   Eigen::MatrixXd run(const Points& points, int seeds, std::uint64_t first_key, Progress& progress) const {
-    return simulate(points, space, direct, comparison, seeds, options.seed, first_key, options.threads, progress);
+    return simulate(points, space, direct, comparison, seeds, options.seed, first_key, options.threads,
+                    progress);
   }
   bool out_of_time() const {
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - started;
@@ -90,21 +91,25 @@ Points latin_hypercube(int count, Eigen::Index dimensions, std::uint64_t seed) {
 
 Eigen::MatrixXd as_rows(const Points& points) {
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(points.size()), points.empty() ? 0 : points.front().size());
-  for (std::size_t i = 0; i < points.size(); ++i) rows.row(static_cast<Eigen::Index>(i)) = points[i].transpose();
+  for (std::size_t i = 0; i < points.size(); ++i)
+    rows.row(static_cast<Eigen::Index>(i)) = points[i].transpose();
   return rows;
 }
 
 /// Costs of points whose simulations stand in `rows`, `seeds` rows a point.
 std::vector<double> costs_of(const Eigen::MatrixXd& rows, int seeds, const NoiseMetric& metric) {
   std::vector<double> costs;
-  for (Eigen::Index first = 0; first < rows.rows(); first += seeds) costs.push_back(metric.cost(rows.middleRows(first, seeds)));
+  for (Eigen::Index first = 0; first < rows.rows(); first += seeds)
+    costs.push_back(metric.cost(rows.middleRows(first, seeds)));
   return costs;
 }
 
-void remember(const Points& points, const std::vector<double>& costs, std::vector<Tried>& tried, TreeFit& fit) {
+void remember(const Points& points, const std::vector<double>& costs, std::vector<Tried>& tried,
+              TreeFit& fit) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     tried.push_back({points[i], costs[i]});
-    fit.cost_history.push_back(fit.cost_history.empty() ? costs[i] : std::min(fit.cost_history.back(), costs[i]));
+    fit.cost_history.push_back(fit.cost_history.empty() ? costs[i]
+                                                        : std::min(fit.cost_history.back(), costs[i]));
   }
   fit.evaluations += static_cast<int>(points.size());
 }
@@ -123,8 +128,8 @@ Eigen::VectorXd search(const Problem& problem, const NoiseMetric& metric, const 
     }
     const Points& generation = cmaes.ask();
     const auto key = kSearchKeys + static_cast<std::uint64_t>(fit.evaluations);
-    const auto costs =
-        costs_of(problem.run(generation, problem.options.seeds, key, progress), problem.options.seeds, metric);
+    const auto costs = costs_of(problem.run(generation, problem.options.seeds, key, progress),
+                                problem.options.seeds, metric);
     remember(generation, costs, tried, fit);
     cmaes.tell(costs);
     progress.remark(fmt::format("distance {:.2f}", fit.cost_history.back()));
@@ -138,8 +143,8 @@ Eigen::VectorXd search(const Problem& problem, const NoiseMetric& metric, const 
   return cmaes.mean();
 }
 
-/// The finalists: the search's centre, the posterior's and the best few tried, judged on fresh seeds, since the best
-/// of many noisy costs is partly luck.
+/// The finalists: the search's centre, the posterior's and the best few tried, judged on fresh seeds, since
+/// the best of many noisy costs is partly luck.
 struct Judged {
   Eigen::VectorXd point;
   Eigen::MatrixXd simulations;
@@ -149,15 +154,17 @@ struct Judged {
 
 Judged judge(const Problem& problem, const NoiseMetric& metric, Points finalists, std::vector<Tried> tried,
              Progress& progress) {
-  std::stable_sort(tried.begin(), tried.end(), [](const Tried& a, const Tried& b) { return a.cost < b.cost; });
-  for (std::size_t i = 0; i < std::min<std::size_t>(3, tried.size()); ++i) finalists.push_back(tried[i].point);
+  std::stable_sort(tried.begin(), tried.end(),
+                   [](const Tried& a, const Tried& b) { return a.cost < b.cost; });
+  for (std::size_t i = 0; i < std::min<std::size_t>(3, tried.size()); ++i)
+    finalists.push_back(tried[i].point);
   progress.begin("judging on fresh seeds", static_cast<double>(finalists.size()), "trees");
   const Eigen::MatrixXd rows = problem.run(finalists, kJudgingSeeds, kJudgingKeys + 1, progress);
   progress.end();
   const auto costs = costs_of(rows, kJudgingSeeds, metric);
   const auto best = static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) - costs.begin());
-  return {finalists[best], rows.middleRows(static_cast<Eigen::Index>(best) * kJudgingSeeds, kJudgingSeeds), costs[best],
-          kJudgingKeys + 1 + best};
+  return {finalists[best], rows.middleRows(static_cast<Eigen::Index>(best) * kJudgingSeeds, kJudgingSeeds),
+          costs[best], kJudgingKeys + 1 + best};
 }
 
 /// Mean distance of each of the trees from the others: what no parameter set can get below.
@@ -185,7 +192,8 @@ std::vector<FittedParameter> report_parameters(const SearchSpace& space, const I
   for (Eigen::Index i = 0; i < space.size(); ++i) {
     const SearchRow& row = space.rows()[static_cast<std::size_t>(i)];
     const UnitPosterior& p = posterior[static_cast<std::size_t>(i)];
-    const auto spec = std::find_if(table.begin(), table.end(), [&](const ParameterSpec& s) { return s.key == row.key; });
+    const auto spec =
+        std::find_if(table.begin(), table.end(), [&](const ParameterSpec& s) { return s.key == row.key; });
     FittedParameter fitted;
     fitted.key = row.key;
     fitted.unit = spec->unit;
@@ -215,12 +223,14 @@ std::vector<DescriptorFit> report_descriptors(const Problem& problem, const Nois
 
 void warn(const Problem& problem, const NoiseMetric& metric, TreeFit& fit, std::size_t bank) {
   if (bank < 30)
-    fit.warnings.push_back(fmt::format("a budget of {} parameter sets is too small to tell what the scan says of each "
-                                       "parameter; 100 or more give intervals",
-                                       problem.options.evaluations));
+    fit.warnings.push_back(
+        fmt::format("a budget of {} parameter sets is too small to tell what the scan says of each "
+                    "parameter; 100 or more give intervals",
+                    problem.options.evaluations));
   if (metric.used().size() < descriptor_table().size() / 2)
     fit.warnings.emplace_back(
-        "the tree has hardly any branches that can be compared: parameters of branching cannot be told from it");
+        "the tree has hardly any branches that can be compared: parameters of branching cannot be told from "
+        "it");
   if (fit.cost_after > kPoorCost) {
     auto worst = fit.descriptors;
     std::stable_sort(worst.begin(), worst.end(), [](const DescriptorFit& a, const DescriptorFit& b) {
@@ -229,8 +239,8 @@ void warn(const Problem& problem, const NoiseMetric& metric, TreeFit& fit, std::
     std::string names;
     for (std::size_t i = 0; i < std::min<std::size_t>(3, worst.size()); ++i)
       names += (i ? ", " : "") + worst[i].name;
-    fit.warnings.push_back("the growth model cannot follow this tree: even the best parameters miss its " + names +
-                           "; take the parameters as a description, not as measurements");
+    fit.warnings.push_back("the growth model cannot follow this tree: even the best parameters miss its " +
+                           names + "; take the parameters as a description, not as measurements");
   }
 }
 
@@ -245,8 +255,8 @@ void FitOptions::validate() const {
     require(std::isfinite(*age_years) && *age_years >= 2 && *age_years <= 5000, "age_years", *age_years,
             "between 2 and 5000 years");
   if (internode_length_m)
-    require(std::isfinite(*internode_length_m) && *internode_length_m > 0, "internode_length_m", *internode_length_m,
-            "must be positive");
+    require(std::isfinite(*internode_length_m) && *internode_length_m > 0, "internode_length_m",
+            *internode_length_m, "must be positive");
 }
 
 TreeFit fit_tree(const Tree& observed, const FitOptions& options, Progress& progress) {
@@ -254,8 +264,8 @@ TreeFit fit_tree(const Tree& observed, const FitOptions& options, Progress& prog
   observed.validate();
   const DirectEstimates direct = estimate_directly(observed, options.internode_length_m);
   const DescribeOptions comparison = comparison_for(direct.height_m);
-  const Problem problem{options, direct, SearchSpace(direct, options.equation, known_cycles(options)), comparison,
-                        to_vector(describe(observed, comparison))};
+  const Problem problem{options, direct, SearchSpace(direct, options.equation, known_cycles(options)),
+                        comparison, to_vector(describe(observed, comparison))};
 
   TreeFit fit;
   fit.seed = options.seed;
@@ -274,7 +284,8 @@ TreeFit fit_tree(const Tree& observed, const FitOptions& options, Progress& prog
   const NoiseMetric metric(bank_points, simulated, problem.observed);
   std::vector<Tried> tried;
   remember(bank, costs_of(simulated, 1, metric), tried, fit);
-  const auto posterior = regression_posterior(bank_points, metric.whiten(simulated), metric.whitened_observed());
+  const auto posterior =
+      regression_posterior(bank_points, metric.whiten(simulated), metric.whitened_observed());
 
   // The search starts where the posterior is centred.
   Eigen::VectorXd centre(dimensions);

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fit/noise_metric.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
+#include "core/errors.h"
+#include "fit/descriptors.h"
+
 #include <cmath>
 #include <limits>
 
-#include "core/errors.h"
-#include "fit/descriptors.h"
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
 
 namespace dendrofit {
 namespace {
@@ -32,10 +33,12 @@ Eigen::VectorXd finite_column_means(const Eigen::MatrixXd& values) {
 }
 
 double finite_share(const Eigen::VectorXd& column) {
-  return static_cast<double>(column.array().isFinite().count()) / static_cast<double>(std::max<Eigen::Index>(1, column.size()));
+  return static_cast<double>(column.array().isFinite().count()) /
+         static_cast<double>(std::max<Eigen::Index>(1, column.size()));
 }
 
-/// Residuals of y on 1, theta, theta^2 (ordinary least squares), scaled to be free of the fit's degrees of freedom.
+/// Residuals of y on 1, theta, theta^2 (ordinary least squares), scaled to be free of the fit's degrees of
+/// freedom.
 Eigen::MatrixXd residuals_given_parameters(const Eigen::MatrixXd& theta, const Eigen::MatrixXd& y) {
   const Eigen::Index n = theta.rows();
   const bool quadratic = n >= 4 * (1 + 2 * theta.cols());
@@ -56,7 +59,8 @@ NoiseMetric::NoiseMetric(const Eigen::MatrixXd& parameters, const Eigen::MatrixX
     : observed_(observed), mean_(finite_column_means(descriptors)) {
   for (Eigen::Index j = 0; j < observed.size(); ++j)
     if (std::isfinite(observed[j]) && finite_share(descriptors.col(j)) >= kFewestShare) used_.push_back(j);
-  if (used_.empty()) throw SolverError("the observed tree and the simulated ones have no descriptor in common");
+  if (used_.empty())
+    throw SolverError("the observed tree and the simulated ones have no descriptor in common");
   Eigen::MatrixXd filled = descriptors(Eigen::all, used_);
   for (Eigen::Index k = 0; k < filled.cols(); ++k)
     for (double& v : filled.col(k))
@@ -86,7 +90,8 @@ double NoiseMetric::cost(const Eigen::MatrixXd& simulations, const Eigen::Vector
     difference[static_cast<Eigen::Index>(k)] = std::isfinite(d) ? d : 0;
     if (!std::isfinite(d)) penalty += kMissingPenalty;
   }
-  const double distance = (whitening_ * difference).squaredNorm() / (1 + 1.0 / static_cast<double>(simulations.rows()));
+  const double distance =
+      (whitening_ * difference).squaredNorm() / (1 + 1.0 / static_cast<double>(simulations.rows()));
   return (distance + penalty) / static_cast<double>(used_.size());
 }
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fit/regression_posterior.h"
 
-#include <Eigen/Eigenvalues>
+#include "core/errors.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "core/errors.h"
+#include <Eigen/Eigenvalues>
 
 namespace dendrofit {
 namespace {
@@ -18,18 +19,19 @@ Eigen::VectorXd kernel_weights(const Eigen::MatrixXd& descriptors, const Eigen::
   const Eigen::VectorXd distance = (descriptors.rowwise() - observed.transpose()).rowwise().norm();
   std::vector<double> sorted(distance.begin(), distance.end());
   std::sort(sorted.begin(), sorted.end());
-  const double reach = std::max(1e-12, sorted[static_cast<std::size_t>(kNearestShare * static_cast<double>(sorted.size() - 1))]);
+  const double reach = std::max(
+      1e-12, sorted[static_cast<std::size_t>(kNearestShare * static_cast<double>(sorted.size() - 1))]);
   return distance.unaryExpr([&](double d) { return std::max(0.0, 1 - (d / reach) * (d / reach)); });
 }
 
-/// Weighted ridge regression in the eigenbasis of the descriptors' covariance, with leave-one-out errors in closed
-/// form for any ridge strength.
+/// Weighted ridge regression in the eigenbasis of the descriptors' covariance, with leave-one-out errors in
+/// closed form for any ridge strength.
 struct Ridge {
-  Eigen::VectorXd weights;      ///< summing to 1
-  Eigen::VectorXd centre;       ///< weighted mean descriptor
-  Eigen::MatrixXd basis;        ///< eigenvectors
-  Eigen::VectorXd variances;    ///< eigenvalues
-  Eigen::MatrixXd scores;       ///< descriptors in the basis
+  Eigen::VectorXd weights;    ///< summing to 1
+  Eigen::VectorXd centre;     ///< weighted mean descriptor
+  Eigen::MatrixXd basis;      ///< eigenvectors
+  Eigen::VectorXd variances;  ///< eigenvalues
+  Eigen::MatrixXd scores;     ///< descriptors in the basis
 
   Ridge(const Eigen::MatrixXd& x, const Eigen::VectorXd& w) : weights(w / w.sum()) {
     centre = x.transpose() * weights;
@@ -43,14 +45,15 @@ struct Ridge {
 
   struct Fit {
     double prediction = 0;
-    double error = 0;              ///< weighted mean squared leave-one-out error
-    Eigen::VectorXd left_out;      ///< leave-one-out error of each simulation
+    double error = 0;          ///< weighted mean squared leave-one-out error
+    Eigen::VectorXd left_out;  ///< leave-one-out error of each simulation
   };
 
   Fit fit(const Eigen::VectorXd& y, const Eigen::VectorXd& observed, double strength) const {
     const double mean = weights.dot(y);
     const Eigen::VectorXd inverse = (variances.array() + strength).inverse();
-    const Eigen::VectorXd slope = inverse.cwiseProduct(scores.transpose() * weights.cwiseProduct((y.array() - mean).matrix()));
+    const Eigen::VectorXd slope =
+        inverse.cwiseProduct(scores.transpose() * weights.cwiseProduct((y.array() - mean).matrix()));
     Fit result;
     result.prediction = mean + (basis.transpose() * (observed - centre)).dot(slope);
     const Eigen::VectorXd residual = (y.array() - mean).matrix() - scores * slope;
@@ -65,7 +68,8 @@ struct Ridge {
 double weighted_quantile(const Eigen::VectorXd& values, const Eigen::VectorXd& weights, double share) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(values.size()));
   std::iota(order.begin(), order.end(), Eigen::Index{0});
-  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return values[a] < values[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return values[a] < values[b]; });
   double sum = 0;
   for (const Eigen::Index i : order) {
     sum += weights[i];
@@ -76,7 +80,8 @@ double weighted_quantile(const Eigen::VectorXd& values, const Eigen::VectorXd& w
 
 }  // namespace
 
-std::vector<UnitPosterior> regression_posterior(const Eigen::MatrixXd& parameters, const Eigen::MatrixXd& descriptors,
+std::vector<UnitPosterior> regression_posterior(const Eigen::MatrixXd& parameters,
+                                                const Eigen::MatrixXd& descriptors,
                                                 const Eigen::VectorXd& observed) {
   if (parameters.rows() != descriptors.rows() || descriptors.cols() != observed.size())
     throw InputError("regression_posterior: parameters, descriptors and observation do not fit together");

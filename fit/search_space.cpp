@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fit/search_space.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-
 #include "core/errors.h"
 #include "core/metrics.h"
 #include "core/tree_topology.h"
 #include "forward/growth_equations.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
 
 namespace dendrofit {
 namespace {
@@ -16,7 +16,8 @@ namespace {
 constexpr int kFewestForks = 10;
 constexpr double kTypicalCycles = 20;
 
-/// v with sum(child^v) = parent^v, in [1.2, 5]; nothing where no such v exists (a child thicker than its parent).
+/// v with sum(child^v) = parent^v, in [1.2, 5]; nothing where no such v exists (a child thicker than its
+/// parent).
 std::optional<double> fork_exponent(double parent, const std::vector<double>& children) {
   const auto excess = [&](double v) {
     double sum = 0;
@@ -75,15 +76,16 @@ DirectEstimates estimate_directly(const Tree& tree, std::optional<double> intern
   return direct;
 }
 
-SearchSpace::SearchSpace(const DirectEstimates& direct, const std::string& equation, std::optional<int> cycles)
+SearchSpace::SearchSpace(const DirectEstimates& direct, const std::string& equation,
+                         std::optional<int> cycles)
     : base_(igm_preset("standard").parameters) {
   base_.rho_m = direct.internode_length_m;
   base_.pipe_exponent = direct.pipe_exponent;
   base_.set_equation(equation);
   const double size = direct.height_m / base_.rho_m;
   const double age = cycles.value_or(static_cast<int>(kTypicalCycles));
-  // The asymptote: at least about the size reached; a tree may yet double. Rates: the range of Table 2's trees for
-  // 20 cycles, in proportion for other ages.
+  // The asymptote: at least about the size reached; a tree may yet double. Rates: the range of Table 2's
+  // trees for 20 cycles, in proportion for other ages.
   const double rate = kTypicalCycles / age;
   if (equation == "logistic") {
     rows_ = {{"xm", 0.9 * size, 2.2 * size}, {"r", 0.15 * rate, 0.6 * rate}};
@@ -115,7 +117,8 @@ double SearchSpace::value(Eigen::Index row, double unit) const {
 
 IgmParameters SearchSpace::at(const Eigen::VectorXd& unit) const {
   IgmParameters parameters = base_;
-  for (Eigen::Index i = 0; i < size(); ++i) parameters.set(rows_[static_cast<std::size_t>(i)].key, value(i, unit[i]));
+  for (Eigen::Index i = 0; i < size(); ++i)
+    parameters.set(rows_[static_cast<std::size_t>(i)].key, value(i, unit[i]));
   return parameters;
 }
 

@@ -2,27 +2,29 @@
 // Which IGM parameters a fit searches, over which ranges, and what of them the tree itself tells beforehand.
 #pragma once
 
-#include <Eigen/Core>
+#include "core/tree.h"
+#include "forward/igm/parameters.h"
+
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "core/tree.h"
-#include "forward/igm/parameters.h"
+#include <Eigen/Core>
 
 namespace dendrofit {
 
 /// What can be read off the observed tree without any simulation.
 struct DirectEstimates {
-  double internode_length_m = 0.1;     ///< rho: a convention (a scan does not show internodes), see scale_for()
-  double pipe_exponent = 2.6;          ///< v of the pipe model from the tree's own forks
-  int forks = 0;                       ///< how many forks told it; fewer than 10: the default stands
+  double internode_length_m = 0.1;  ///< rho: a convention (a scan does not show internodes), see scale_for()
+  double pipe_exponent = 2.6;       ///< v of the pipe model from the tree's own forks
+  int forks = 0;                    ///< how many forks told it; fewer than 10: the default stands
   std::optional<double> dbh_m;
-  double base_radius_m = 0;            ///< of the thickest root
+  double base_radius_m = 0;  ///< of the thickest root
   double height_m = 0;
 };
 
-/// The largest internode length of the series 1-2-5 (metres) that gives the tree at least 50 internodes of height.
+/// The largest internode length of the series 1-2-5 (metres) that gives the tree at least 50 internodes of
+/// height.
 double scale_for(double height_m);
 
 /// Throws InputError for an empty tree. `internode_length_m`: taken as given instead of scale_for(height).

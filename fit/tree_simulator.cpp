@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fit/tree_simulator.h"
 
-#include <algorithm>
-
 #include "core/metrics.h"
 #include "core/parallel.h"
 #include "core/random.h"
 #include "forward/igm/grow.h"
+
+#include <algorithm>
 
 namespace dendrofit {
 namespace {
@@ -61,8 +61,8 @@ Eigen::MatrixXd simulate(const std::vector<Eigen::VectorXd>& points, const Searc
     const std::uint64_t key = simulation_seed(seed, first_key + p, s);
     const Regrown grown = regrow(space.at(points[p]), observed, key, no_progress());
     const std::vector<double> values = describe(grown.tree, comparison);
-    rows.row(static_cast<Eigen::Index>(first)) = Eigen::Map<const Eigen::RowVectorXd>(
-        values.data(), static_cast<Eigen::Index>(values.size()));
+    rows.row(static_cast<Eigen::Index>(first)) =
+        Eigen::Map<const Eigen::RowVectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
     progress.advance(1.0 / static_cast<double>(per_point));
   });
   return rows;
