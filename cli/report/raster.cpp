@@ -260,7 +260,7 @@ Image draw_scene(const Scene& scene, const View& view, int width_px, int height_
     }
     if (point) {
       const float near = nearer_neighbours(buffer, x, y, samples, 40 / fine.scale);
-      return base * ((0.62f + 0.28f * sky_share + 0.25f * sun_share) * (1 - 0.55f * near));
+      return base * ((0.60f + 0.34f * sky_share + 0.30f * sun_share) * (1 - 0.5f * near));
     }
     const auto& [a, b, d] = scene.triangles[index];
     const auto [w1, w2] = buffer.weights[at];
