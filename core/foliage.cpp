@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/foliage.h"
 
-#include <Eigen/Geometry>
+#include "core/errors.h"
+
 #include <cmath>
 #include <string>
 
-#include "core/errors.h"
+#include <Eigen/Geometry>
 
 namespace dendrofit {
 namespace {

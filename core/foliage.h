@@ -2,18 +2,18 @@
 // Leaves on a tree, as instances of a few leaf shapes.
 #pragma once
 
+#include "core/mesh.h"
+#include "core/types.h"
+
 #include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "core/mesh.h"
-#include "core/types.h"
-
 namespace dendrofit {
 
-/// A leaf's blade in its own frame: the petiole joins at the origin, +y runs to the tip, +z is the upper side. Its
-/// length (extent along y) is 1; a leaf scales it by its length in metres.
+/// A leaf's blade in its own frame: the petiole joins at the origin, +y runs to the tip, +z is the upper
+/// side. Its length (extent along y) is 1; a leaf scales it by its length in metres.
 struct LeafShape {
   std::string name;
   std::vector<Vec3> vertices;
@@ -45,8 +45,8 @@ struct Foliage {
   std::size_t size() const { return leaves.size(); }
   double leaf_area(std::size_t i) const;
   double total_area() const;
-  /// Appends the blade of leaf i, triangle for triangle as its shape has them (local coordinates, rounded to 1 um:
-  /// the very numbers every writer prints and every intersection test sees).
+  /// Appends the blade of leaf i, triangle for triangle as its shape has them (local coordinates, rounded to
+  /// 1 um: the very numbers every writer prints and every intersection test sees).
   void append_blade(std::size_t i, TriangleMesh& mesh) const;
 };
 
