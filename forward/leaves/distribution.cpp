@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/leaves/distribution.h"
 
+#include "core/errors.h"
+#include "core/parameters.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,18 +12,15 @@
 #include <numeric>
 #include <string>
 
-#include "core/errors.h"
-#include "core/parameters.h"
-
 namespace dendrofit {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kCells = 4096;
 
-constexpr std::array<std::string_view, 9> kInclinationWords = {
-    "planophile", "erectophile", "plagiophile", "extremophile", "uniform",
-    "spherical",  "beta",        "ellipsoidal", "table"};
+constexpr std::array<std::string_view, 9> kInclinationWords = {"planophile",   "erectophile", "plagiophile",
+                                                               "extremophile", "uniform",     "spherical",
+                                                               "beta",         "ellipsoidal", "table"};
 
 double beta_density(double x, double a, double b) {
   // Off the very ends, where it may be infinite.
@@ -33,11 +33,14 @@ double table_density(const std::vector<double>& table, double x) {
   return table[static_cast<std::size_t>(std::clamp(std::floor(x * (last + 1)), 0.0, last))];
 }
 
-double mass(const std::vector<double>& table) { return std::accumulate(table.begin(), table.end(), 0.0); }
+double mass(const std::vector<double>& table) {
+  return std::accumulate(table.begin(), table.end(), 0.0);
+}
 
 void require_table(const std::vector<double>& table, const std::string& field) {
   require(!table.empty(), field + ".table entries", 0, "at least one");
-  for (double value : table) require(std::isfinite(value) && value >= 0, field + ".table", value, "must be at least 0");
+  for (double value : table)
+    require(std::isfinite(value) && value >= 0, field + ".table", value, "must be at least 0");
   require(mass(table) > 0, field + ".table sum", mass(table), "must be positive");
 }
 
@@ -171,13 +174,16 @@ InclinationLaw inclination_law(std::string_view word) {
   return law;
 }
 
-std::string_view to_string(InclinationLaw::Kind kind) { return kInclinationWords[static_cast<std::size_t>(kind)]; }
+std::string_view to_string(InclinationLaw::Kind kind) {
+  return kInclinationWords[static_cast<std::size_t>(kind)];
+}
 
 TabulatedLaw::TabulatedLaw(double lo, double hi, const std::function<double(double)>& density)
     : lo_(lo), hi_(hi), cumulative_(kCells + 1, 0.0) {
   const double step = (hi - lo) / kCells;
   for (int k = 0; k < kCells; ++k)
-    cumulative_[static_cast<std::size_t>(k) + 1] = cumulative_[static_cast<std::size_t>(k)] + density(lo + (k + 0.5) * step);
+    cumulative_[static_cast<std::size_t>(k) + 1] =
+        cumulative_[static_cast<std::size_t>(k)] + density(lo + (k + 0.5) * step);
   const double total = cumulative_.back();
   for (std::size_t k = 0; k < cumulative_.size(); ++k)
     cumulative_[k] = total > 0 ? cumulative_[k] / total : static_cast<double>(k) / kCells;
@@ -226,7 +232,8 @@ KsResult kolmogorov_smirnov(std::vector<double> samples, std::vector<double> wei
   if (weights.empty()) weights.assign(samples.size(), 1.0);
   std::vector<std::size_t> order(samples.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return samples[i] < samples[j]; });
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t i, std::size_t j) { return samples[i] < samples[j]; });
   double total = 0, squares = 0;
   for (double w : weights) {
     total += w;
