@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/neighbors.h"
+#include "core/point_cloud.h"
 #include "recon/graph.h"
 
 #include <algorithm>
@@ -11,6 +12,8 @@ namespace {
 
 constexpr std::uint32_t kFewestPoints = 3;  // a smaller part is a stray, not wood, once a gap lies before it
 constexpr std::size_t kBridgesPerPart = 3;
+constexpr double kGapSpacings = 4;
+constexpr double kGapShare = 1.0;  // of a loose part's extent
 
 /// Union-find with path halving.
 struct Union {
@@ -68,13 +71,14 @@ std::vector<Bridge> bridge_gaps(const std::vector<Vec3>& points, const PointGrap
   std::vector<std::uint32_t> sample_point;
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     const std::uint32_t part = parts.part[i];
-    if (small(part)) continue;
+    if (part == Paths::kNone || small(part)) continue;
     sample.push_back(points[i]);
     sample_point.push_back(i);
   }
   const Neighbors index(sample);
   Union groups(part_count);
   std::vector<Neighbor> found;
+  std::vector<std::uint64_t> hopeless(part_count, 0);  // size at which a group found nothing within its reach
 
   for (int round = 0; round < 12; ++round) {
     // Points by group, all but the largest group look for their nearest neighbours elsewhere.
@@ -88,30 +92,41 @@ std::vector<Bridge> bridge_gaps(const std::vector<Vec3>& points, const PointGrap
       const std::uint32_t g = groups.root(parts.part[sample_point[s]]);
       if (g != largest) members[g].push_back(s);
     }
+    std::vector<Bounds> extent(part_count);
+    for (std::uint32_t s = 0; s < sample.size(); ++s)
+      extent[groups.root(parts.part[sample_point[s]])].add(sample[s]);
     bool joined = false;
     std::vector<Bridge> fresh;
     for (std::uint32_t g = 0; g < part_count; ++g) {
-      if (members[g].empty()) continue;
+      if (members[g].empty() || hopeless[g] == size[g]) continue;
       progress.check();
+      // Wood that is seen for a few centimetres only does not vouch for a gap of decimetres.
+      const double widest = std::min(
+          options.max_gap_m, kGapSpacings * graph.typical_spacing_m + kGapShare * extent[g].size().norm());
       std::vector<Bridge> candidates;
-      for (std::size_t k = 24; candidates.empty() && k <= 1536; k *= 8) {
+      bool near_all = false;  // nothing within reach lies beyond the neighbours looked at
+      for (std::size_t k = 24; candidates.empty() && !near_all && k <= 1536; k *= 8) {
+        near_all = true;
         // Big groups: look from few points first; their rim comes up again in later rounds.
         const std::size_t stride = std::max<std::size_t>(1, members[g].size() * k / 400000);
         for (std::size_t m = 0; m < members[g].size(); m += stride) {
           const std::uint32_t s = members[g][m];
           index.nearest(sample[s], k, found);
+          near_all = near_all && found.back().distance_squared > widest * widest;
           for (const Neighbor& f : found) {
             const std::uint32_t other = groups.root(parts.part[sample_point[f.index]]);
             if (other == g) continue;
             const double gap = std::sqrt(f.distance_squared);
-            if (gap <= options.max_gap_m)
-              candidates.push_back({sample_point[s], sample_point[f.index], gap, gap});
+            if (gap <= widest) candidates.push_back({sample_point[s], sample_point[f.index], gap, gap});
             break;
           }
         }
         if (k >= sample.size()) break;
       }
-      if (candidates.empty()) continue;
+      if (candidates.empty()) {
+        hopeless[g] = size[g];
+        continue;
+      }
       std::sort(candidates.begin(), candidates.end(), [](const Bridge& x, const Bridge& y) {
         return x.gap_m != y.gap_m ? x.gap_m < y.gap_m : (x.a != y.a ? x.a < y.a : x.b < y.b);
       });

@@ -224,4 +224,37 @@ std::vector<Foot> find_feet(const std::vector<Vec3>& points, const PointGraph& g
   throw SolverError(why.str());
 }
 
+std::size_t close_low_vegetation(const std::vector<Vec3>& points, const PointGraph& graph,
+                                 const std::vector<double>& height, const Ground& ground,
+                                 const std::vector<Foot>& feet, std::vector<char>& open) {
+  if (!ground.present) return 0;
+  double top = 0;
+  for (const double h : height) top = std::max(top, h);
+  const double grass = std::min(0.5, 0.08 * top), shrubs = std::min(1.5, 0.2 * top);
+  std::size_t closed = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!open[i] || height[i] >= grass) continue;
+    const bool at_stem = std::any_of(feet.begin(), feet.end(), [&](const Foot& f) {
+      const Eigen::Vector2d axis = f.position.head<2>() + f.slope * (points[i].z() - f.position.z());
+      return (points[i].head<2>() - axis).norm() <= 0.75 * f.diameter_m + 2 * graph.typical_spacing_m;
+    });
+    if (at_stem) continue;
+    open[i] = 0;
+    ++closed;
+  }
+  const Parts parts = connected_parts(graph, open);
+  std::vector<char> wanted(parts.points.size(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (open[i] && height[i] > shrubs) wanted[parts.part[i]] = 1;
+  for (const Foot& f : feet)
+    for (const std::uint32_t p : f.points)
+      if (open[p]) wanted[parts.part[p]] = 1;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!open[i] || wanted[parts.part[i]]) continue;
+    open[i] = 0;
+    ++closed;
+  }
+  return closed;
+}
+
 }  // namespace dendrofit

@@ -28,4 +28,11 @@ std::vector<double> heights_above_foot(const std::vector<Vec3>& points, const Pa
 std::vector<Foot> find_feet(const std::vector<Vec3>& points, const PointGraph& graph,
                             const std::vector<double>& height, const Ground& ground);
 
+/// Closes (open[i] = 0) the grass, herbs and shrubs about the stems of a scan with ground: what lies within
+/// half a metre of the ground away from a stem, and parts that end below 1.5 m and touch no stem. Returns how
+/// many points.
+std::size_t close_low_vegetation(const std::vector<Vec3>& points, const PointGraph& graph,
+                                 const std::vector<double>& height, const Ground& ground,
+                                 const std::vector<Foot>& feet, std::vector<char>& open);
+
 }  // namespace dendrofit

@@ -13,6 +13,7 @@
 namespace dendrofit {
 namespace {
 
+constexpr float kSparsest = 2.0f;      // in usual spacings
 constexpr double kLinkSpacings = 3.0;  // a longer link would leap over a gap: bridge_gaps() judges those
 
 }  // namespace
@@ -60,7 +61,8 @@ PointGraph neighbor_graph(const std::vector<Vec3>& points, const GraphOptions& o
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i * k; j < (i + 1) * k && nearest[j] != Paths::kNone; ++j) {
       const std::uint32_t v = nearest[j];
-      const double limit = kLinkSpacings * std::max(std::min(graph.spacing[i], graph.spacing[v]), usual);
+      const double limit =
+          kLinkSpacings * std::clamp(std::min(graph.spacing[i], graph.spacing[v]), usual, kSparsest * usual);
       if ((points[i] - points[v]).squaredNorm() <= limit * limit) {
         ++graph.first[i + 1];
         ++graph.first[v + 1];
@@ -81,13 +83,13 @@ PointGraph neighbor_graph(const std::vector<Vec3>& points, const GraphOptions& o
   return graph;
 }
 
-Parts connected_parts(const PointGraph& graph) {
+Parts connected_parts(const PointGraph& graph, const std::vector<char>& open) {
   Parts parts;
   const std::size_t n = graph.size();
   parts.part.assign(n, Paths::kNone);
   std::vector<std::uint32_t> stack;
   for (std::size_t i = 0; i < n; ++i) {
-    if (parts.part[i] != Paths::kNone) continue;
+    if (parts.part[i] != Paths::kNone || !open[i]) continue;
     const auto id = static_cast<std::uint32_t>(parts.points.size());
     parts.points.push_back(0);
     parts.part[i] = id;
@@ -97,7 +99,7 @@ Parts connected_parts(const PointGraph& graph) {
       stack.pop_back();
       ++parts.points[id];
       for (const std::uint32_t v : graph.of(u)) {
-        if (parts.part[v] != Paths::kNone) continue;
+        if (parts.part[v] != Paths::kNone || !open[v]) continue;
         parts.part[v] = id;
         stack.push_back(v);
       }
@@ -107,8 +109,8 @@ Parts connected_parts(const PointGraph& graph) {
 }
 
 Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
-                     const std::vector<Bridge>& bridges, const std::vector<std::uint32_t>& sources,
-                     Progress& progress) {
+                     const std::vector<Bridge>& bridges, const std::vector<char>& open,
+                     const std::vector<std::uint32_t>& sources, Progress& progress) {
   // A step of one usual spacing costs its length; twice that, three times as much per step.
   constexpr double kTurnWeight = 1.0;
   constexpr double kMemory_m = 0.04;  // the way's direction is taken over about this much of it
@@ -120,6 +122,7 @@ Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
   std::vector<float> cost(n, kFar);
   std::vector<Eigen::Vector3f> heading(n, Eigen::Vector3f::Zero());
   std::vector<char> done(n, 0);
+  for (std::size_t i = 0; i < n; ++i) done[i] = !open[i];
   std::vector<std::pair<std::uint32_t, std::pair<std::uint32_t, float>>> crossings;
   crossings.reserve(2 * bridges.size());
   for (const Bridge& b : bridges) {

@@ -43,20 +43,20 @@ struct Bridge {
   double cost_m = 0;  ///< the gap, longer where it bends away from the wood on either side
 };
 
-/// Connected parts of the graph.
+/// Connected parts of the graph over its open points (open[i] != 0).
 struct Parts {
-  std::vector<std::uint32_t> part;    ///< of each point
+  std::vector<std::uint32_t> part;    ///< of each point; Paths::kNone for a closed one
   std::vector<std::uint32_t> points;  ///< number of points of each part
 };
-Parts connected_parts(const PointGraph& graph);
+Parts connected_parts(const PointGraph& graph, const std::vector<char>& open);
 
 /// Links across the gaps between the graph's parts: every part within max_gap_m of the rest gets its cheapest
 /// ones, round by round until all are one or no gap is narrow enough.
 std::vector<Bridge> bridge_gaps(const std::vector<Vec3>& points, const PointGraph& graph, const Parts& parts,
                                 const GraphOptions& options = {}, Progress& = no_progress());
 
-/// Shortest paths from a set of sources. A path's cost favours many short steps (the wood's own surface) over
-/// leaps and straight runs over turns; its length is counted beside it.
+/// Shortest paths from a set of sources over open points. A path's cost favours many short steps (the wood's
+/// own surface) over leaps and straight runs over turns; its length is counted beside it.
 struct Paths {
   static constexpr std::uint32_t kNone = 0xffffffffU;
   std::vector<std::uint32_t>
@@ -65,7 +65,7 @@ struct Paths {
   std::vector<std::uint32_t> order;  ///< reached points, sources first, parents before children
 };
 Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
-                     const std::vector<Bridge>& bridges, const std::vector<std::uint32_t>& sources,
-                     Progress& = no_progress());
+                     const std::vector<Bridge>& bridges, const std::vector<char>& open,
+                     const std::vector<std::uint32_t>& sources, Progress& = no_progress());
 
 }  // namespace dendrofit

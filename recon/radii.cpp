@@ -7,9 +7,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numbers>
 
 namespace dendrofit {
 namespace {
+
+constexpr double kShortestWindow = 0.03;  // half the length along which points are seen together, metres
+constexpr double kLongestWindow = 0.10;
+constexpr std::size_t kEnoughPoints = 14;
+constexpr std::size_t kFewestPoints = 6;
+constexpr double kNoiseDoubt = 0.15;          // relative, of the noise's variance
+constexpr double kUsualTwigDiameter = 0.003;  // of broadleaves' last shoots
 
 /// The points about one node, seen along the centre line.
 struct View {
@@ -37,44 +46,38 @@ void look(const std::vector<Vec3>& points, const Limb& limb, std::size_t node, d
     add(j);
 }
 
-struct Moments {
-  Eigen::Vector2d mean{0, 0};
-  double square = 0;  // mean squared distance from the mean, unbiased
+/// Where the points' middle lies and how far from it they are. Medians, because side twigs cross every view.
+struct Spread {
+  Eigen::Vector2d middle{0, 0};
+  double square = 0;  // median squared distance from the middle, corrected for the middle being their own
   std::size_t count = 0;
 };
 
-Moments robust_moments(const std::vector<Eigen::Vector2d>& flat) {
-  Moments m;
-  if (flat.size() < 3) return m;
-  std::vector<double> distance(flat.size());
+Spread spread_of(const std::vector<Eigen::Vector2d>& flat, std::vector<double>& scratch) {
+  Spread spread;
+  if (flat.size() < 4) return spread;
   double limit = 1e300;
   for (int pass = 0; pass < 3; ++pass) {
     Eigen::Vector2d sum(0, 0);
     std::size_t count = 0;
     for (const auto& p : flat)
-      if ((p - m.mean).norm() <= limit) {
+      if ((p - spread.middle).squaredNorm() <= limit) {
         sum += p;
         ++count;
       }
     if (count < 3) break;
-    m.mean = sum / static_cast<double>(count);
-    m.count = count;
-    for (std::size_t i = 0; i < flat.size(); ++i) distance[i] = (flat[i] - m.mean).norm();
-    std::vector<double> sorted = distance;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
-                     sorted.end());
-    limit = 2.5 * sorted[sorted.size() / 2];
+    spread.middle = sum / static_cast<double>(count);
+    spread.count = count;
+    scratch.clear();
+    for (const auto& p : flat) scratch.push_back((p - spread.middle).squaredNorm());
+    const auto half = scratch.begin() + static_cast<std::ptrdiff_t>(scratch.size() / 2);
+    std::nth_element(scratch.begin(), half, scratch.end());
+    limit = 5 * *half;
+    spread.square = *half;
   }
-  double sum = 0;
-  std::size_t count = 0;
-  for (const double d : distance)
-    if (d <= limit) {
-      sum += d * d;
-      ++count;
-    }
-  if (count >= 3) m.square = sum / static_cast<double>(count - 1);
-  m.count = count;
-  return m;
+  const auto n = static_cast<double>(spread.count);
+  spread.square *= n / (n - 1);
+  return spread;
 }
 
 double median(std::vector<double> values) {
@@ -123,6 +126,212 @@ void make_falling(std::vector<double>& value, const std::vector<double>& weight)
     for (std::size_t k = 0; k < b.count; ++k) value[i++] = b.sum / b.weight;
 }
 
+/// The radius squared that a median spread means, once noise is taken off (Rayleigh: the median of a squared
+/// distance under isotropic noise alone is 2 ln 2 variances), with its standard error.
+struct Square {
+  double value = 0, se = 0;
+};
+
+Square radius_squared(const Spread& spread, double noise) {
+  const double variance = noise * noise;
+  const double value = spread.square - 2 * std::numbers::ln2 * variance;
+  const double r2 = std::max(value, 0.0);
+  const double scatter =
+      std::sqrt((4 * r2 * variance + 4 * variance * variance) / static_cast<double>(spread.count));
+  return {value, std::hypot(1.25 * scatter, kNoiseDoubt * 2 * std::numbers::ln2 * variance)};
+}
+
+/// How a place is seen: its circle if there is one, its spread in any case.
+struct Sight {
+  Spread spread;
+  CircleFit circle;
+};
+
+using NodeValues = std::vector<std::vector<double>>;
+
+/// Looks at every place; half windows grow until enough points are seen.
+void see_all(const std::vector<Vec3>& points, std::vector<Limb>& limbs, double noise, int threads, bool move,
+             std::vector<std::vector<Sight>>& sights, Progress& progress) {
+  parallel_blocks(limbs.size(), 64, threads, [&](std::size_t first, std::size_t last) {
+    progress.check();
+    View view;
+    std::vector<double> scratch;
+    std::vector<Vec3> moved;
+    for (std::size_t l = first; l < last; ++l) {
+      Limb& limb = limbs[l];
+      sights[l].assign(limb.nodes.size(), {});
+      moved.clear();
+      for (std::size_t i = 0; i < limb.nodes.size(); ++i) {
+        const LimbNode& node = limb.nodes[i];
+        moved.push_back(node.centre);
+        double window = std::max(kShortestWindow, 0.6 * node.rough_radius_m);
+        look(points, limb, i, window, view);
+        for (; view.flat.size() < kEnoughPoints && window < kLongestWindow; window *= 1.5)
+          look(points, limb, i, 1.5 * window, view);
+        if (view.flat.size() < kFewestPoints) continue;
+        Sight& sight = sights[l][i];
+        sight.spread = spread_of(view.flat, scratch);
+        const double apparent = std::sqrt(sight.spread.square);
+        Eigen::Vector2d centre = sight.spread.middle;
+        if (node.rough_radius_m > 2 * noise && view.flat.size() >= kEnoughPoints) {
+          CircleFit fit = algebraic_circle(view.flat);
+          if (fit.ok && fit.radius < 2.5 * std::max(apparent, node.rough_radius_m)) {
+            fit = robust_circle(view.flat, fit, noise);
+            const bool sound = fit.ok && fit.coverage >= 0.3 && fit.radius > 2.5 * noise &&
+                               fit.rms < 0.5 * fit.radius && 2 * fit.inliers >= view.flat.size() &&
+                               fit.radius < 2.2 * node.rough_radius_m + noise;
+            if (sound) {
+              sight.circle = fit;
+              centre = fit.centre;
+            }
+          }
+        }
+        moved.back() = node.centre + centre.x() * view.u + centre.y() * view.v;
+      }
+      if (move)
+        for (std::size_t i = 0; i + 1 < limb.nodes.size(); ++i) limb.nodes[i].centre = moved[i];  // tips stay
+    }
+  });
+}
+
+/// Noise and footprint from the thinnest twigs, where nearly all spread is theirs; thick wood, where the
+/// scatter about the circles is range noise alone, bounds it.
+double find_noise(const std::vector<Limb>& limbs, const NodeValues& beyond,
+                  const std::vector<std::vector<Sight>>& sights, double tip_radius, double fallback) {
+  std::vector<double> twigs, stems;
+  for (std::size_t l = 0; l < limbs.size(); ++l)
+    for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i) {
+      const Sight& s = sights[l][i];
+      if (s.circle.ok && s.circle.radius > 0.03 && s.circle.coverage > 0.5) stems.push_back(s.circle.rms);
+      if (s.spread.count >= kFewestPoints && beyond[l][i] > 0.04 && beyond[l][i] < 0.4 && !s.circle.ok)
+        twigs.push_back(s.spread.square);
+    }
+  double noise = fallback;
+  if (twigs.size() >= 20)
+    noise = std::sqrt(std::max(0.0, median(twigs) - 1.5 * tip_radius * tip_radius) / (2 * std::numbers::ln2));
+  else if (stems.size() >= 10)
+    noise = median(stems);
+  if (stems.size() >= 10) noise = std::min(noise, 1.7 * median(stems));
+  return std::clamp(noise, 0.0005, 0.05);
+}
+
+/// The tree's own radius for a given wood length beyond: medians in classes of length (so that noise in
+/// single places averages out and none is selected by its size), then a line through them in logarithms.
+Allometry fit_allometry(const std::vector<Limb>& limbs, const NodeValues& beyond,
+                        const std::vector<std::vector<Sight>>& sights, double noise, double tip_radius) {
+  constexpr double kClass = 0.5;  // in natural logarithms of length
+  Allometry allometry;
+  allometry.tip_radius_m = tip_radius;
+  std::map<int, std::vector<double>> classes;
+  const auto square_of = [&](const Sight& s) {
+    return s.circle.ok ? s.circle.radius * s.circle.radius - noise * noise
+                       : radius_squared(s.spread, noise).value;
+  };
+  for (std::size_t l = 0; l < limbs.size(); ++l)
+    for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i)
+      if (sights[l][i].spread.count >= kFewestPoints && beyond[l][i] > 0.05)
+        classes[static_cast<int>(std::floor(std::log(beyond[l][i]) / kClass))].push_back(
+            square_of(sights[l][i]));
+  double sw = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  const auto add = [&](double w, double x, double y) {
+    sw += w;
+    sx += w * x;
+    sy += w * y;
+    sxx += w * x * x;
+    sxy += w * x * y;
+  };
+  for (auto& [index, squares] : classes) {
+    if (squares.size() < 5) continue;
+    const double r2 = median(squares);
+    if (r2 < 0.5 * noise * noise) continue;  // noise alone
+    allometry.places += squares.size();
+    add(std::sqrt(static_cast<double>(std::min<std::size_t>(squares.size(), 100))), (index + 0.5) * kClass,
+        0.5 * std::log(r2));
+  }
+  if (allometry.places < 20) return allometry;
+  add(5, std::log(0.05), std::log(tip_radius));  // a twig's last five centimetres
+  const double det = sw * sxx - sx * sx;
+  if (!(det > 1e-9 * sw * sw)) return allometry;
+  allometry.exponent = std::clamp((sw * sxy - sx * sy) / det, 0.25, 1.0);
+  allometry.scale = std::exp((sy - allometry.exponent * sx) / sw);
+  std::vector<double> off;
+  for (std::size_t l = 0; l < limbs.size(); ++l)
+    for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i) {
+      const double expected = allometry.radius_at(beyond[l][i]);
+      if (sights[l][i].spread.count < kFewestPoints || expected < 1.5 * noise) continue;
+      off.push_back(std::abs(0.5 * std::log(std::max(square_of(sights[l][i]), 1e-8)) - std::log(expected)));
+    }
+  if (off.size() >= 20) allometry.spread = std::clamp(1.4826 * median(off), 0.15, 0.6);
+  return allometry;
+}
+
+/// One limb's radii from what was seen and what the tree's allometry expects, falling towards the tip.
+void settle(Limb& limb, const std::vector<double>& beyond, const std::vector<Sight>& sights,
+            const Allometry& allometry, double noise, double bearer_radius) {
+  const std::size_t n = limb.nodes.size();
+  std::vector<double> radius(n), weight(n);
+  std::vector<char> seen(n, 0);
+  std::size_t first = n, last = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    LimbNode& node = limb.nodes[i];
+    const double expected = allometry.scale > 0 ? allometry.radius_at(beyond[i])
+                                                : std::max(allometry.tip_radius_m, node.rough_radius_m);
+    const double doubt = std::max(allometry.spread, 0.1) * expected;
+    const Sight& s = sights[i];
+    radius[i] = expected;
+    weight[i] = 1 / (doubt * doubt);
+    node.measured = false;
+    if (s.circle.ok) {
+      const double r = s.circle.radius - noise * noise / (2 * s.circle.radius);
+      const double se = std::hypot(s.circle.radius_se, 0.1 * noise) / std::sqrt(s.circle.coverage);
+      const double w = 1 / (se * se);
+      radius[i] = (w * r + 0.2 * weight[i] * expected) / (w + 0.2 * weight[i]);
+      weight[i] = w + 0.2 * weight[i];
+      node.coverage = s.circle.coverage;
+      seen[i] = 1;
+    } else if (s.spread.count >= kFewestPoints) {
+      const Square square = radius_squared(s.spread, noise);
+      const double doubt2 = 2 * doubt * expected;  // of the expected square
+      const double a = 1 / (square.se * square.se), b = 1 / (doubt2 * doubt2);
+      const double r2 = std::max((a * square.value + b * expected * expected) / (a + b),
+                                 allometry.tip_radius_m * allometry.tip_radius_m);
+      radius[i] = std::sqrt(r2);
+      const double se = 1 / std::sqrt(a + b) / (2 * radius[i]);
+      weight[i] = 1 / (se * se);
+      seen[i] = a > b;  // the points say more than the expectation
+    }
+    if (seen[i]) {
+      first = std::min(first, i);
+      last = i;
+    }
+    node.measured = seen[i] != 0;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (seen[i])
+      limb.nodes[i].quality = RadiusQuality::measured;
+    else
+      limb.nodes[i].quality = i > first && i < last ? RadiusQuality::interpolated : RadiusQuality::allometric;
+  }
+  for (std::size_t i = first; i < last; ++i) {  // between measured places: along the line between them
+    if (!seen[i]) continue;
+    std::size_t j = i + 1;
+    while (!seen[j]) ++j;
+    for (std::size_t k = i + 1; k < j; ++k) {
+      const double t = (limb.nodes[k].along_m - limb.nodes[i].along_m) /
+                       std::max(1e-9, limb.nodes[j].along_m - limb.nodes[i].along_m);
+      radius[k] = (1 - t) * radius[i] + t * radius[j];
+      weight[k] = 0.25 * std::min(weight[i], weight[j]);
+    }
+    i = j - 1;
+  }
+  make_falling(radius, weight);
+  const double least = std::min(allometry.tip_radius_m, bearer_radius);
+  for (std::size_t i = 0; i < n; ++i) {
+    limb.nodes[i].radius_m = std::clamp(radius[i], least, std::max(bearer_radius, 1e-4));
+    limb.nodes[i].radius_se_m = 1 / std::sqrt(weight[i]);
+  }
+}
+
 }  // namespace
 
 void RadiusOptions::validate() const {
@@ -135,167 +344,31 @@ double Allometry::radius_at(double beyond_m) const {
   return std::max(tip_radius_m, scale * std::pow(std::max(beyond_m, 1e-3), exponent));
 }
 
-RadiusReport measure_radii(const std::vector<Vec3>& points, std::vector<Limb>& limbs,
+RadiusReport measure_radii(const std::vector<Vec3>& points, std::vector<Limb>& limbs, double spacing_m,
                            const RadiusOptions& options, Progress& progress) {
   options.validate();
   RadiusReport report;
-  const double tip_radius = options.twig_diameter_m ? 0.5 * *options.twig_diameter_m : 0.0015;
-  report.allometry.tip_radius_m = tip_radius;
+  const double tip_radius = 0.5 * options.twig_diameter_m.value_or(kUsualTwigDiameter);
   progress.begin("radii", static_cast<double>(limbs.size()), "limbs");
-
-  // 1. Noise and footprint: on the thinnest twigs the spread of points is theirs alone.
-  {
-    std::vector<double> spread;
-    View view;
-    for (const Limb& limb : limbs) {
-      if (limb.nodes.size() < 3) continue;
-      const std::size_t tip = limb.nodes.size() - 2;
-      look(points, limb, tip, 0.03, view);
-      const Moments m = robust_moments(view.flat);
-      if (m.count >= 6) spread.push_back(std::sqrt(m.square));
+  std::vector<std::vector<Sight>> sights(limbs.size());
+  report.noise_m = std::clamp(0.25 * spacing_m, 0.001, 0.02);
+  for (const bool move : {true, false}) {
+    see_all(points, limbs, report.noise_m, options.threads, move, sights, progress);
+    if (move) {
+      smooth_limbs(limbs);
+      measure_lengths(limbs);
     }
-    if (spread.size() >= 10) {
-      const double typical = median(spread);
-      report.noise_m = std::sqrt(std::max(0.0, typical * typical - tip_radius * tip_radius) / 2);
-    }
-    report.noise_m = std::clamp(report.noise_m, 0.0005, 0.02);
+    report.noise_m = find_noise(limbs, beyond_nodes(limbs), sights, tip_radius, report.noise_m);
   }
-  const double noise = report.noise_m;
-
-  // 2. Circles, twice: the first moves the centre lines, the second measures about them.
-  for (int round = 0; round < 2; ++round) {
-    parallel_blocks(limbs.size(), 64, options.threads, [&](std::size_t first, std::size_t last) {
-      progress.check();
-      View view;
-      std::vector<Vec3> moved;
-      for (std::size_t l = first; l < last; ++l) {
-        Limb& limb = limbs[l];
-        moved.clear();
-        for (std::size_t i = 0; i < limb.nodes.size(); ++i) {
-          LimbNode& node = limb.nodes[i];
-          moved.push_back(node.centre);
-          node.measured = false;
-          look(points, limb, i, std::max(0.03, 0.6 * node.rough_radius_m), view);
-          if (view.flat.size() < 8) continue;
-          const Moments m = robust_moments(view.flat);
-          const double plain = std::sqrt(std::max(0.0, m.square - 2 * noise * noise));
-          CircleFit fit = algebraic_circle(view.flat);
-          const bool ring =
-              fit.ok && fit.radius < 1.5 * std::sqrt(m.square) + noise && fit.radius > 2.5 * noise;
-          if (ring) fit = robust_circle(view.flat, fit, noise);
-          if (ring && fit.ok && fit.coverage >= 0.3 && fit.radius > 2.5 * noise &&
-              fit.radius < 2.2 * std::max(node.rough_radius_m, noise) + noise) {
-            node.radius_m = fit.radius - noise * noise / (2 * fit.radius);
-            node.radius_se_m = std::hypot(fit.radius_se, 0.15 * noise);
-            node.coverage = fit.coverage;
-            node.measured = true;
-            moved.back() = node.centre + fit.centre.x() * view.u + fit.centre.y() * view.v;
-          } else if (m.count >= 8 && std::sqrt(m.square) < 6 * noise) {
-            node.radius_m = std::max(plain, tip_radius);
-            node.radius_se_m = std::max(
-                0.2 * noise, m.square / (std::sqrt(static_cast<double>(m.count)) * 2 * node.radius_m));
-            node.coverage = 1;
-            node.measured = true;
-            moved.back() = node.centre + m.mean.x() * view.u + m.mean.y() * view.v;
-          }
-        }
-        if (round == 0)
-          for (std::size_t i = 0; i < limb.nodes.size(); ++i) {
-            if (i + 1 == limb.nodes.size()) break;  // tips stay
-            limb.nodes[i].centre = moved[i];
-          }
-      }
-    });
-    measure_lengths(limbs);
-  }
-
-  // 3. The tree's own allometry from the measured radii that are thick enough to be sure of.
-  const auto beyond = beyond_nodes(limbs);
-  {
-    double sw = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
-    for (int pass = 0; pass < 3; ++pass) {
-      const Allometry before = report.allometry;
-      sw = sx = sy = sxx = sxy = 0;
-      double squares = 0;
-      report.allometry.places = 0;
-      for (std::size_t l = 0; l < limbs.size(); ++l)
-        for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i) {
-          const LimbNode& n = limbs[l].nodes[i];
-          if (!n.measured || n.radius_m < 1.5 * noise || beyond[l][i] < 0.05) continue;
-          const double x = std::log(beyond[l][i]), y = std::log(n.radius_m);
-          const double residual = pass == 0 ? 0 : y - std::log(before.radius_at(beyond[l][i]));
-          if (std::abs(residual) > 3 * before.spread) continue;
-          const double w = 1 / (0.05 + std::pow(n.radius_se_m / n.radius_m, 2));
-          sw += w;
-          sx += w * x;
-          sy += w * y;
-          sxx += w * x * x;
-          sxy += w * x * y;
-          squares += w * residual * residual;
-          ++report.allometry.places;
-        }
-      const double det = sw * sxx - sx * sx;
-      if (report.allometry.places < 10 || !(det > 1e-9 * sw * sw)) break;
-      report.allometry.exponent = std::clamp((sw * sxy - sx * sy) / det, 0.25, 1.2);
-      report.allometry.scale = std::exp((sy - report.allometry.exponent * sx) / sw);
-      if (pass > 0) report.allometry.spread = std::clamp(std::sqrt(squares / sw), 0.1, 0.8);
-    }
-    if (report.allometry.places < 10) report.allometry.scale = 0;
-  }
-
-  // 4. Every place: what was measured, weighed against the allometry, falling towards the tip.
-  std::vector<double> radius, weight;
+  const NodeValues beyond = beyond_nodes(limbs);
+  report.allometry = fit_allometry(limbs, beyond, sights, report.noise_m, tip_radius);
   for (std::size_t l = 0; l < limbs.size(); ++l) {
-    Limb& limb = limbs[l];
-    radius.clear();
-    weight.clear();
-    std::size_t last_measured = 0, first_measured = limb.nodes.size();
-    for (std::size_t i = 0; i < limb.nodes.size(); ++i)
-      if (limb.nodes[i].measured) {
-        last_measured = i;
-        first_measured = std::min(first_measured, i);
-      }
-    for (std::size_t i = 0; i < limb.nodes.size(); ++i) {
-      LimbNode& n = limb.nodes[i];
-      const double expected = report.allometry.scale > 0 ? report.allometry.radius_at(beyond[l][i])
-                                                         : std::max(tip_radius, n.rough_radius_m);
-      const double expected_se = report.allometry.spread * expected;
-      if (n.measured) {
-        const double a = 1 / (n.radius_se_m * n.radius_se_m), b = 0.25 / (expected_se * expected_se);
-        radius.push_back((a * n.radius_m + b * expected) / (a + b));
-        weight.push_back(a + b);
-        n.quality = RadiusQuality::measured;
-      } else {
-        radius.push_back(expected);
-        weight.push_back(0.01 / (expected_se * expected_se));
-        n.quality =
-            i > first_measured && i < last_measured ? RadiusQuality::interpolated : RadiusQuality::allometric;
-      }
-    }
-    // Between measured places: along the line between them.
-    for (std::size_t i = first_measured; i < last_measured; ++i) {
-      if (!limb.nodes[i].measured) continue;
-      std::size_t j = i + 1;
-      while (!limb.nodes[j].measured) ++j;
-      for (std::size_t k = i + 1; k < j; ++k) {
-        const double t = (limb.nodes[k].along_m - limb.nodes[i].along_m) /
-                         std::max(1e-9, limb.nodes[j].along_m - limb.nodes[i].along_m);
-        radius[k] = (1 - t) * radius[i] + t * radius[j];
-      }
-      i = j - 1;
-    }
-    make_falling(radius, weight);
-    double most = 1e300;
-    if (limb.parent >= 0) {
-      const auto& bearer =
-          limbs[static_cast<std::size_t>(limb.parent)].nodes[static_cast<std::size_t>(limb.parent_node)];
-      most = bearer.radius_m;
-    }
-    for (std::size_t i = 0; i < limb.nodes.size(); ++i) {
-      LimbNode& n = limb.nodes[i];
-      n.radius_m = std::clamp(radius[i], std::min(tip_radius, most), std::max(most, 1e-4));
-      n.radius_se_m = 1 / std::sqrt(weight[i]);
-    }
+    const Limb& limb = limbs[l];
+    const double bearer = limb.parent < 0 ? 1e300
+                                          : limbs[static_cast<std::size_t>(limb.parent)]
+                                                .nodes[static_cast<std::size_t>(limb.parent_node)]
+                                                .radius_m;
+    settle(limbs[l], beyond[l], sights[l], report.allometry, report.noise_m, bearer);
   }
   progress.end();
   return report;

@@ -36,7 +36,7 @@ struct RadiusReport {
 /// Fits a circle across every place with enough points about it, moves the centre line there, corrects for
 /// the widening by noise and footprint (seen on the thinnest twigs, where it is all there is), fits the
 /// allometry to the measured radii, and fills and evens out the rest. Radii fall towards the tips.
-RadiusReport measure_radii(const std::vector<Vec3>& points, std::vector<Limb>& limbs,
+RadiusReport measure_radii(const std::vector<Vec3>& points, std::vector<Limb>& limbs, double spacing_m,
                            const RadiusOptions& options = {}, Progress& = no_progress());
 
 }  // namespace dendrofit

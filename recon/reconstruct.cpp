@@ -70,17 +70,19 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   result.spacing_m = graph.typical_spacing_m;
   clock.mark("neighbours");
 
-  const Parts parts = connected_parts(graph);
-  const std::vector<double> height = heights_above_foot(scan.points, parts, ground);
+  std::vector<char> open(scan.points.size(), 1);
+  const std::vector<double> height = heights_above_foot(scan.points, connected_parts(graph, open), ground);
   const std::vector<Foot> feet = find_feet(scan.points, graph, height, ground);
+  const std::vector<Foot> tree_feet(feet.begin(), feet.begin() + 1);
   result.foot = scan.origin_shift + feet.front().position;
+  result.ground_points += close_low_vegetation(scan.points, graph, height, ground, tree_feet, open);
   clock.mark("foot");
 
+  const Parts parts = connected_parts(graph, open);
   const std::vector<Bridge> bridges = bridge_gaps(scan.points, graph, parts, graph_options, progress);
   clock.mark("gaps");
 
-  const std::vector<Foot> tree_feet(feet.begin(), feet.begin() + 1);
-  const Paths paths = shortest_paths(scan.points, graph, bridges, tree_feet.front().points, progress);
+  const Paths paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);
   result.tree_points = paths.order.size();
   result.stray_points = scan.points.size() - paths.order.size();
   clock.mark("paths");
@@ -93,7 +95,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   clock.mark("skeleton");
 
   const RadiusReport radii = measure_radii(
-      scan.points, limbs,
+      scan.points, limbs, graph.typical_spacing_m,
       RadiusOptions{.twig_diameter_m = options.twig_diameter_m, .threads = options.threads}, progress);
   result.noise_m = radii.noise_m;
   clock.mark("radii");

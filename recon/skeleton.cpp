@@ -66,7 +66,7 @@ SectionTree prune(const std::vector<Vec3>& points, const std::vector<Section>& s
 }
 
 /// Weighted running mean over the neighbours within `reach` along the line; the ends stay where they are.
-void smooth(Limb& limb, bool has_parent) {
+void smooth(Limb& limb) {
   const std::size_t n = limb.nodes.size();
   if (n < 3) return;
   std::vector<Vec3> next(n);
@@ -79,7 +79,6 @@ void smooth(Limb& limb, bool has_parent) {
       const Vec3 chord = a + (c - a) * (before / (before + after));
       next[i] = 0.5 * b + 0.5 * chord;
     }
-    if (!has_parent && n >= 3) next[0] = limb.nodes[0].centre;
     for (std::size_t i = 0; i < n; ++i) limb.nodes[i].centre = next[i];
   }
 }
@@ -97,6 +96,10 @@ Vec3 direction_at(const Limb& limb, std::size_t node) {
   const Vec3 run = limb.nodes[b].centre - limb.nodes[a].centre;
   const double length = run.norm();
   return length > 0 ? Vec3(run / length) : Vec3::UnitZ();
+}
+
+void smooth_limbs(std::vector<Limb>& limbs) {
+  for (Limb& limb : limbs) smooth(limb);
 }
 
 void measure_lengths(std::vector<Limb>& limbs) {
@@ -172,7 +175,7 @@ std::vector<Limb> make_limbs(const std::vector<Vec3>& points, const std::vector<
     limb_of[i] = limb_of[p];
     node_of[i] = node_of[p];
   }
-  for (Limb& limb : limbs) smooth(limb, limb.parent >= 0);
+  smooth_limbs(limbs);
   measure_lengths(limbs);
   return limbs;
 }

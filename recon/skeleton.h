@@ -44,6 +44,9 @@ struct SkeletonOptions {
 std::vector<Limb> make_limbs(const std::vector<Vec3>& points, const std::vector<Section>& sections,
                              double spacing_m, const SkeletonOptions& options = {});
 
+/// Evens every centre line; ends stay where they are, so nothing is shortened.
+void smooth_limbs(std::vector<Limb>& limbs);
+
 /// Recomputes along_m of every node and beyond_m of every limb.
 void measure_lengths(std::vector<Limb>& limbs);
 
