@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/igm_files.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "core/atomic_file.h"
 #include "core/errors.h"
 #include "tests/support/scratch_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 namespace dendrofit::cli {
 namespace {
@@ -36,16 +36,19 @@ TEST(IgmFiles, parameters_survive_writing_and_reading) {
     write_file(scratch / "p.toml", igm_parameters_toml(p, {"a remark"}));
     const IgmParameters back = load_igm_parameters((scratch / "p.toml").string());
     EXPECT_EQ(back.equation, p.equation);
-    for (const ParameterSpec& spec : igm_parameter_table(equation)) EXPECT_EQ(back.get(spec.key), p.get(spec.key)) << spec.key;
+    for (const ParameterSpec& spec : igm_parameter_table(equation))
+      EXPECT_EQ(back.get(spec.key), p.get(spec.key)) << spec.key;
   }
 }
 
 TEST(IgmFiles, faults_are_named_with_line_field_and_limit) {
   const test::ScratchFolder scratch;
   write_file(scratch / "p.toml", "xm = 80\nxmm = 3\n");
-  EXPECT_THAT(complaint([&] { load_igm_parameters((scratch / "p.toml").string()); }), AllOf(HasSubstr("line 2"), HasSubstr("xm")));
+  EXPECT_THAT(complaint([&] { load_igm_parameters((scratch / "p.toml").string()); }),
+              AllOf(HasSubstr("line 2"), HasSubstr("xm")));
   write_file(scratch / "p.toml", "\nxm = -80\n");
-  EXPECT_THAT(complaint([&] { load_igm_parameters((scratch / "p.toml").string()); }), AllOf(HasSubstr("line 2"), HasSubstr("-80")));
+  EXPECT_THAT(complaint([&] { load_igm_parameters((scratch / "p.toml").string()); }),
+              AllOf(HasSubstr("line 2"), HasSubstr("-80")));
   EXPECT_THAT(complaint([] { load_igm_parameters("standart"); }), HasSubstr("standard"));
 }
 
@@ -63,7 +66,8 @@ TEST(IgmFiles, a_site_holds_trees_and_obstacles) {
   const test::ScratchFolder scratch;
   write_file(scratch / "site.toml",
              "[[tree]]\nroot = [0, 0, 0]\n[[tree]]\nroot = [3, 0, 0, 3.5, 0, 0]\nparameters = \"table2-05\"\n"
-             "[[box]]\nmin = [1, -1, 0]\nmax = [1.5, 1, 4]\n[[halfspace]]\npoint = [-2, 0, 0]\nnormal = [1, 0, 0]\n");
+             "[[box]]\nmin = [1, -1, 0]\nmax = [1.5, 1, 4]\n[[halfspace]]\npoint = [-2, 0, 0]\nnormal = [1, "
+             "0, 0]\n");
   const IgmSite site = load_site(scratch / "site.toml", IgmParameters{});
   ASSERT_EQ(site.trees.size(), 2u);
   EXPECT_FALSE(site.trees[0].parameters);
@@ -72,7 +76,8 @@ TEST(IgmFiles, a_site_holds_trees_and_obstacles) {
   EXPECT_EQ(site.solids.boxes.at(0).max, Vec3(1.5, 1, 4));
   EXPECT_EQ(site.solids.half_spaces.at(0).normal, Vec3(1, 0, 0));
   write_file(scratch / "bad.toml", "[[box]]\nmin = [1, 2]\n");
-  EXPECT_THAT(complaint([&] { load_site(scratch / "bad.toml", {}); }), AllOf(HasSubstr("line 2"), HasSubstr("x, y, z")));
+  EXPECT_THAT(complaint([&] { load_site(scratch / "bad.toml", {}); }),
+              AllOf(HasSubstr("line 2"), HasSubstr("x, y, z")));
   write_file(scratch / "bad.toml", "[[rock]]\nsize = 3\n");
   EXPECT_THAT(complaint([&] { load_site(scratch / "bad.toml", {}); }), HasSubstr("rock"));
 }

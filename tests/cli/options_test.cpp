@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/options.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <unistd.h>
+#include "cli/parse.h"
+#include "core/atomic_file.h"
+#include "core/errors.h"
 
 #include <filesystem>
 #include <set>
 
-#include "cli/parse.h"
-#include "core/atomic_file.h"
-#include "core/errors.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
 
 namespace dendrofit::cli {
 namespace {
@@ -55,7 +55,8 @@ std::string complaint(std::vector<std::string> arguments) {
 class ConfigFile {
  public:
   explicit ConfigFile(const std::string& text)
-      : path_(std::filesystem::temp_directory_path() / ("dendrofit_config_" + std::to_string(::getpid()) + ".toml")) {
+      : path_(std::filesystem::temp_directory_path() /
+              ("dendrofit_config_" + std::to_string(::getpid()) + ".toml")) {
     write_file(path_, text);
   }
   ~ConfigFile() { std::filesystem::remove(path_); }
@@ -66,7 +67,8 @@ class ConfigFile {
 };
 
 TEST(Options, values_arrive_in_their_variables) {
-  const Parsed p({"a.las", "--gap", "20cm", "--count", "-3", "--deep", "--colour", "radius", "--set", "a=1", "--set", "b=2", "--seed", "9"});
+  const Parsed p({"a.las", "--gap", "20cm", "--count", "-3", "--deep", "--colour", "radius", "--set", "a=1",
+                  "--set", "b=2", "--seed", "9"});
   EXPECT_EQ(p.file, "a.las");
   EXPECT_DOUBLE_EQ(p.gap, 0.2);
   EXPECT_FALSE(p.twig);
@@ -109,9 +111,11 @@ TEST(Options, a_config_file_fills_what_the_command_line_leaves) {
 
 TEST(Options, a_config_files_fault_is_named_with_its_line) {
   const ConfigFile unknown("deep = true\ngapp = 1\n");
-  EXPECT_THAT(complaint<InputError>({"a", "--config", unknown.path()}), ::testing::AllOf(HasSubstr(":2"), HasSubstr("'gap'")));
+  EXPECT_THAT(complaint<InputError>({"a", "--config", unknown.path()}),
+              ::testing::AllOf(HasSubstr(":2"), HasSubstr("'gap'")));
   const ConfigFile bad("gap = \"wide\"\n");
-  EXPECT_THAT(complaint<InputError>({"a", "--config", bad.path()}), ::testing::AllOf(HasSubstr(":1"), HasSubstr("wide")));
+  EXPECT_THAT(complaint<InputError>({"a", "--config", bad.path()}),
+              ::testing::AllOf(HasSubstr(":1"), HasSubstr("wide")));
   const ConfigFile list("gap = [1, 2]\n");
   EXPECT_THAT(complaint<InputError>({"a", "--config", list.path()}), HasSubstr("list"));
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/output_folder.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include "cli/parse.h"
 #include "core/atomic_file.h"
 #include "core/errors.h"
 #include "tests/support/scratch_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 namespace dendrofit::cli {
 namespace {

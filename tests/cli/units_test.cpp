@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/units.h"
 
-#include <gtest/gtest.h>
-
 #include <stdexcept>
+
+#include <gtest/gtest.h>
 
 namespace dendrofit::cli {
 namespace {
@@ -37,7 +37,8 @@ TEST(Units, nonsense_is_refused_with_what_is_allowed) {
 
 TEST(Units, formatting_parses_back_to_the_same_number) {
   for (const double value : {0.0, 0.004, 0.005, 0.0123456789, 1.3, 1.5, 12.4, 500.0, 1.0 / 3})
-    for (const Quantity q : {Quantity::pure, Quantity::length, Quantity::angle, Quantity::area, Quantity::duration})
+    for (const Quantity q :
+         {Quantity::pure, Quantity::length, Quantity::angle, Quantity::area, Quantity::duration})
       EXPECT_EQ(parse_quantity(format_quantity(value, q), q), value);
   EXPECT_EQ(format_quantity(0.005, Quantity::length), "5mm");
 }

@@ -2,12 +2,12 @@
 // A folder of a test's own, gone afterwards.
 #pragma once
 
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+
+#include <unistd.h>
 
 namespace dendrofit::test {
 
