@@ -125,6 +125,8 @@ LeafResult insert_leaves(const Tree& tree, const LeafOptions& options, Progress&
   LeafResult result;
   LeafReport& report = result.report;
   report.seed = options.seed;
+  report.clearance_m = options.clearance_m;
+  report.source = options.traits.source;
   result.foliage.origin_shift = tree.origin_shift;
   result.foliage.species = options.traits.name;
   for (const LeafShapeShare& s : options.traits.shapes) result.foliage.shapes.push_back(s.shape);

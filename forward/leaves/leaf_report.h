@@ -74,6 +74,8 @@ struct LeafReport {
   std::size_t wood_tests = 0;
   int rounds = 0;
   std::uint64_t seed = 0;
+  double clearance_m = 1e-4;
+  std::string source;  ///< of the species' numbers
   double seconds = 0;  ///< the only field that differs between equal runs
   std::vector<std::string> warnings;
 };
