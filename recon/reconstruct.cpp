@@ -4,6 +4,7 @@
 #include "core/errors.h"
 #include "recon/build_tree.h"
 #include "recon/foot.h"
+#include "recon/forks.h"
 #include "recon/graph.h"
 #include "recon/preprocess.h"
 #include "recon/radii.h"
@@ -92,6 +93,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
 
   std::vector<Limb> limbs = make_limbs(scan.points, sections, graph.typical_spacing_m,
                                        SkeletonOptions{.shortest_limb_m = options.shortest_limb_m});
+  lead_limbs_back(scan.points, limbs, graph.typical_spacing_m);
   clock.mark("skeleton");
 
   const RadiusReport radii = measure_radii(
