@@ -2,6 +2,7 @@
 #include "recon/radii.h"
 
 #include "core/errors.h"
+#include "recon/taper.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,7 @@
 namespace dendrofit {
 namespace {
 
+constexpr double kBestShare = 0.05;
 constexpr double kNoiseDoubt = 0.15;          // relative, of the noise's variance
 constexpr double kUsualTwigDiameter = 0.003;  // of broadleaves' last shoots
 
@@ -36,30 +38,6 @@ NodeValues beyond_nodes(const std::vector<Limb>& limbs) {
           beyond[l].front();
   }
   return beyond;
-}
-
-/// Pool-adjacent-violators: the non-increasing sequence nearest to `value` (weighted squares).
-void make_falling(std::vector<double>& value, const std::vector<double>& weight) {
-  struct Block {
-    double sum, weight;
-    std::size_t count;
-  };
-  std::vector<Block> blocks;
-  for (std::size_t i = 0; i < value.size(); ++i) {
-    blocks.push_back({value[i] * weight[i], weight[i], 1});
-    while (blocks.size() > 1) {
-      const Block& b = blocks.back();
-      Block& a = blocks[blocks.size() - 2];
-      if (a.sum / a.weight >= b.sum / b.weight) break;
-      a.sum += b.sum;
-      a.weight += b.weight;
-      a.count += b.count;
-      blocks.pop_back();
-    }
-  }
-  std::size_t i = 0;
-  for (const Block& b : blocks)
-    for (std::size_t k = 0; k < b.count; ++k) value[i++] = b.sum / b.weight;
 }
 
 /// The radius squared that a median spread means, once noise is taken off (Rayleigh: the median of a squared
@@ -127,11 +105,13 @@ Allometry fit_allometry(const std::vector<Limb>& limbs, const NodeValues& beyond
   return allometry;
 }
 
-/// One limb's radii from what was seen and what the tree's allometry expects, falling towards the tip.
-void settle(Limb& limb, const std::vector<double>& beyond, const std::vector<Sight>& sights,
-            const Allometry& allometry, double noise, double bearer_radius) {
+/// One limb's radii and their weights from what was seen and what the tree's allometry expects.
+void weigh(Limb& limb, const std::vector<double>& beyond, const std::vector<Sight>& sights,
+            const Allometry& allometry,
+            double noise, std::vector<double>& radius, std::vector<double>& weight) {
   const std::size_t n = limb.nodes.size();
-  std::vector<double> radius(n), weight(n);
+  radius.assign(n, 0);
+  weight.assign(n, 0);
   std::vector<char> seen(n, 0);
   std::size_t first = n, last = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -186,12 +166,6 @@ void settle(Limb& limb, const std::vector<double>& beyond, const std::vector<Sig
     }
     i = j - 1;
   }
-  make_falling(radius, weight);
-  const double least = std::min(allometry.tip_radius_m, bearer_radius);
-  for (std::size_t i = 0; i < n; ++i) {
-    limb.nodes[i].radius_m = std::clamp(radius[i], least, std::max(bearer_radius, 1e-4));
-    limb.nodes[i].radius_se_m = 1 / std::sqrt(weight[i]);
-  }
 }
 
 }  // namespace
@@ -237,14 +211,34 @@ RadiusReport settle_radii(std::vector<Limb>& limbs, const Sights& sights, double
   const NodeValues beyond = beyond_nodes(limbs);
   const double tip_radius = 0.5 * options.twig_diameter_m.value_or(kUsualTwigDiameter);
   report.allometry = fit_allometry(limbs, beyond, sights, noise_m, tip_radius);
+  std::vector<double> value, weight, limb_radius, limb_weight;
+  std::vector<std::int32_t> parent;
+  std::vector<std::size_t> first(limbs.size());
   for (std::size_t l = 0; l < limbs.size(); ++l) {
-    double bearer = 1e300;
-    if (limbs[l].parent >= 0)
-      bearer = limbs[static_cast<std::size_t>(limbs[l].parent)]
-                   .nodes[static_cast<std::size_t>(limbs[l].parent_node)]
-                   .radius_m;
-    settle(limbs[l], beyond[l], sights[l], report.allometry, noise_m, bearer);
+    weigh(limbs[l], beyond[l], sights[l], report.allometry, noise_m, limb_radius, limb_weight);
+    first[l] = value.size();
+    for (std::size_t i = 0; i < limb_radius.size(); ++i) {
+      const auto here = static_cast<std::int32_t>(value.size());
+      if (i > 0)
+        parent.push_back(here - 1);
+      else
+        parent.push_back(limbs[l].parent < 0
+                             ? -1
+                             : static_cast<std::int32_t>(first[static_cast<std::size_t>(limbs[l].parent)]) +
+                                   limbs[l].parent_node);
+      // No single place is believed to better than a twentieth: bark, burls and crotches.
+      const double doubt = kBestShare * limb_radius[i];
+      value.push_back(limb_radius[i]);
+      weight.push_back(1 / (1 / limb_weight[i] + doubt * doubt));
+    }
   }
+  const std::vector<double> fitted = falling_towards_tips(value, weight, parent);
+  for (std::size_t l = 0; l < limbs.size(); ++l)
+    for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i) {
+      LimbNode& node = limbs[l].nodes[i];
+      node.radius_m = fitted[first[l] + i];
+      node.radius_se_m = 1 / std::sqrt(weight[first[l] + i]);
+    }
   return report;
 }
 
