@@ -4,6 +4,7 @@
 #include "core/errors.h"
 #include "recon/build_tree.h"
 #include "recon/foot.h"
+#include "recon/forks.h"
 #include "recon/graph.h"
 #include "recon/preprocess.h"
 #include "recon/radii.h"
@@ -45,7 +46,7 @@ void ReconstructOptions::validate() const {
   PreprocessOptions{.voxel_size_m = voxel_size_m}.validate();
   GraphOptions{.neighbors = neighbors, .max_gap_m = max_gap_m, .threads = threads}.validate();
   SkeletonOptions{.shortest_limb_m = shortest_limb_m}.validate();
-  RadiusOptions{.twig_diameter_m = twig_diameter_m, .threads = threads}.validate();
+  RadiusOptions{.twig_diameter_m = twig_diameter_m}.validate();
 }
 
 Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& options, Progress& progress) {
@@ -94,10 +95,21 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
                                        SkeletonOptions{.shortest_limb_m = options.shortest_limb_m});
   clock.mark("skeleton");
 
-  const RadiusReport radii = measure_radii(
-      scan.points, limbs, graph.typical_spacing_m,
-      RadiusOptions{.twig_diameter_m = options.twig_diameter_m, .threads = options.threads}, progress);
-  result.noise_m = radii.noise_m;
+  const RadiusOptions radius_options{.twig_diameter_m = options.twig_diameter_m};
+  SightOptions seeing{.noise_m = std::clamp(0.25 * graph.typical_spacing_m, 0.001, 0.02),
+                      .threads = options.threads};
+  progress.begin("centre lines", 0, "limbs");
+  Sights sights = look_at_limbs(scan.points, limbs, seeing, progress);
+  seeing.noise_m = scan_noise(limbs, sights, seeing.noise_m, radius_options);
+  centre_limbs(limbs, sights, seeing);
+  lead_limbs_back(scan.points, limbs, graph.typical_spacing_m);
+  centre_limbs(limbs, look_at_limbs(scan.points, limbs, seeing, progress), seeing);
+  progress.end();
+  clock.mark("centre lines");
+
+  sights = look_at_limbs(scan.points, limbs, seeing, progress);
+  result.noise_m = scan_noise(limbs, sights, seeing.noise_m, radius_options);
+  settle_radii(limbs, sights, result.noise_m, radius_options);
   clock.mark("radii");
 
   result.tree = build_tree(limbs, tree_feet, scan.origin_shift);

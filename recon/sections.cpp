@@ -140,6 +140,7 @@ class Cutter {
       parent.centre = sections_[index].centre;
       parent.direction = sections_[index].direction;
       parent.radius_m = sections_[index].radius_m;
+      parent.coasted_m = sections_[index].coasted_m;
       std::vector<Group> groups = groups_of(reached, parent);
       if (groups.size() > 1) merge_within(groups, parent);
       for (Group& group : groups) {
@@ -165,24 +166,75 @@ class Cutter {
     std::erase_if(groups, [](const Group& g) { return g.points.empty(); });
   }
 
+  /// Thick wood goes on as the parent's cylinder foretells: fits a circle from there, which branches leaving
+  /// within the group hardly disturb.
+  bool continue_cylinder(const Section& parent, const Group& group, Section& s) const {
+    const double noise = std::max(settings_.noise_m, 0.05 * parent.radius_m);
+    if (parent.radius_m < 2.5 * settings_.noise_m || group.points.size() < 10) return false;
+    Vec3 u, v;
+    plane_frame(parent.direction, u, v);
+    std::vector<Eigen::Vector2d> flat;
+    double along = 0, near = 0;
+    for (const std::uint32_t p : group.points) {
+      const Vec3 d = points_[p] - parent.centre;
+      flat.emplace_back(d.dot(u), d.dot(v));
+      if (std::abs(flat.back().norm() - parent.radius_m) > 3 * noise) continue;
+      along += d.dot(parent.direction);
+      near += 1;
+    }
+    if (near < 8 || along <= 0) return false;
+    along /= near;
+    CircleFit foretold;
+    foretold.ok = true;
+    foretold.radius = parent.radius_m;
+    const CircleFit fit = robust_circle(flat, foretold, noise);
+    if (!fit.ok || fit.coverage < 0.35 || fit.inliers < 8 || fit.radius < 0.65 * parent.radius_m ||
+        fit.radius > 1.12 * parent.radius_m || fit.centre.norm() > 0.4 * parent.radius_m)
+      return false;
+    s.centre = parent.centre + along * parent.direction + fit.centre.x() * u + fit.centre.y() * v;
+    s.radius_m = 0.5 * (fit.radius + parent.radius_m);
+    const Vec3 ahead = s.centre - parent.centre;
+    const double share = ahead.norm() / (ahead.norm() + 2 * parent.radius_m);
+    s.direction = ((1 - share) * parent.direction + share * ahead.normalized()).normalized();
+    return true;
+  }
+
   void add(std::int32_t index, const Section& parent, Group& group) {
     Section s;
     s.parent = index;
     // Where the group touches its parent tells whether it goes on or leaves sideways.
     Vec3 from = Vec3::Zero();
-    double links = 0, widest = 0;
+    double links = 0, narrowest = 1e300;
     for (const std::uint32_t p : group.points) {
       const std::uint32_t q = paths_.parent[p];
       if (q == Paths::kNone || group_[q] == group_[p]) continue;
       from += points_[q];
       links += 1;
-      widest = std::max(widest, (points_[p] - points_[q]).norm());
+      narrowest = std::min(narrowest, (points_[p] - points_[q]).norm());
     }
-    s.after_gap = links > 0 && widest > 4 * graph_.typical_spacing_m;
+    s.after_gap = links > 0 && narrowest > 4 * graph_.typical_spacing_m;
+    if (continue_cylinder(parent, group, s)) {
+      s.points = std::move(group.points);
+      sections_.push_back(std::move(s));
+      return;
+    }
     const Vec3 ahead = group.mean - parent.centre;
     const double along = ahead.dot(parent.direction);
     const double aside = (ahead - parent.direction * along).norm();
     const bool goes_on = aside <= 0.6 * parent.radius_m + settings_.noise_m && along > 0;
+    // In a crotch the cross-section is no circle for a while, and behind others' wood too little is seen:
+    // thick wood keeps its course.
+    if (parent.radius_m > 4 * settings_.noise_m && along > 0 && aside < 1.3 * parent.radius_m &&
+        parent.coasted_m + along < 5 * parent.radius_m &&
+        (within(group, parent) || group.points.size() >= 30)) {
+      s.centre = parent.centre + along * parent.direction;
+      s.direction = parent.direction;
+      s.radius_m = 0.99 * parent.radius_m;
+      s.coasted_m = parent.coasted_m + along;
+      s.points = std::move(group.points);
+      sections_.push_back(std::move(s));
+      return;
+    }
     Vec3 direction;
     if (goes_on) {
       direction = parent.direction + 0.6 * ahead.normalized();

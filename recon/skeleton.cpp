@@ -157,6 +157,10 @@ std::vector<Limb> make_limbs(const std::vector<Vec3>& points, const std::vector<
         if (c != heir) starts.push_back({c, id, node_of[i]});
       at = heir;
     }
+    // Thickness grows nowhere along a limb but by error.
+    for (std::size_t k = 1; k < limb.nodes.size(); ++k)
+      limb.nodes[k].rough_radius_m =
+          std::min(limb.nodes[k].rough_radius_m, 1.1 * limb.nodes[k - 1].rough_radius_m);
     // The tip reaches as far as its points do.
     LimbNode& tip = limb.nodes.back();
     const std::size_t k = limb.nodes.size() - 1;
