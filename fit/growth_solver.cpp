@@ -144,8 +144,10 @@ class CurveCost : public ceres::CostFunction {
       problem_.curve->gradient(natural, data.time[i], g);
       for (std::size_t k = 0; k < free_.size(); ++k) {
         const double slope = root * g.dot(transform.col(free_[k]));
-        if (!std::isfinite(slope)) return false;
-        jacobians[0][static_cast<std::size_t>(i - first_) * free_.size() + k] = slope;
+        // Ceres writes to the log when derivatives fail at an accepted point; a flat one just ends the search
+        // there.
+        jacobians[0][static_cast<std::size_t>(i - first_) * free_.size() + k] =
+            std::isfinite(slope) ? slope : 0;
       }
     }
     return true;
@@ -162,7 +164,7 @@ GrowthSolution solve_with_ceres(const GrowthProblem& problem, const GrowthVector
                                 double scale, int most_iterations) {
   const FreeList list = free_coordinates(problem);
   GrowthSolution solution{start, problem.rss(start), kInfinity, 0, false};
-  if (list.empty()) return solution;
+  if (list.empty() || !std::isfinite(solution.rss)) return solution;
   std::vector<double> x;
   for (int i : list) x.push_back(std::clamp(start[i], problem.lo[i], problem.hi[i]));
   ceres::Problem ceres_problem;
@@ -337,10 +339,27 @@ GrowthSolution minimize_robustly(const GrowthProblem& problem, const GrowthVecto
 }
 
 std::array<double, 3> evaluate_loss(GrowthLoss loss, double scale, double squared_residual) {
-  if (loss == GrowthLoss::none) return {squared_residual, 1, 0};
-  double rho[3];
-  ceres_loss(loss, scale)->Evaluate(squared_residual, rho);
-  return {rho[0], rho[1], rho[2]};
+  std::array<double, 3> rho{squared_residual, 1, 0};
+  switch (loss) {
+    case GrowthLoss::none:
+      break;
+    case GrowthLoss::huber:
+      ceres::HuberLoss(scale).Evaluate(squared_residual, rho.data());
+      break;
+    case GrowthLoss::soft_l1:
+      ceres::SoftLOneLoss(scale).Evaluate(squared_residual, rho.data());
+      break;
+    case GrowthLoss::cauchy:
+      ceres::CauchyLoss(scale).Evaluate(squared_residual, rho.data());
+      break;
+    case GrowthLoss::arctan:
+      ceres::ArctanLoss(scale).Evaluate(squared_residual, rho.data());
+      break;
+    case GrowthLoss::tukey:
+      ceres::TukeyLoss(scale).Evaluate(squared_residual, rho.data());
+      break;
+  }
+  return rho;
 }
 
 }  // namespace dendrofit
