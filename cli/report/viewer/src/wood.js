@@ -35,7 +35,7 @@ export class Wood {
     geometry.setAttribute('taper', this.taper);
     const material = new MeshLambertMaterial({ side: 2 });
     this.pixel = { value: 0.001 };  // metres a pixel at one metre's distance
-    // The mesh's unit radius is stretched to the cylinder's own at each end, or to half a pixel where that is more:
+    // The mesh's unit radius is stretched to the cylinder's own at each end, or to most of a pixel where that is more:
     // thin twigs stay whole.
     material.onBeforeCompile = (shader) => {
       shader.uniforms.pixel = this.pixel;
@@ -44,7 +44,7 @@ export class Wood {
         .replace('#include <begin_vertex>',
           `float away = -(modelViewMatrix * instanceMatrix * vec4(0.0, position.y, 0.0, 1.0)).z;
           vec3 transformed = position;
-          transformed.xz *= max(mix(taper.x, taper.y, clamp(position.y, 0.0, 1.0)), 0.5 * pixel * away);`);
+          transformed.xz *= max(mix(taper.x, taper.y, clamp(position.y, 0.0, 1.0)), 0.4 * pixel * away);`);
     };
     const mesh = new InstancedMesh(geometry, material, this.count);
     const a = new Vector3();
