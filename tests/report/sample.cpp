@@ -28,7 +28,7 @@ void grow(Tree& tree, std::int32_t parent, const Vec3& from, const Vec3& directi
     node.order = order;
     node.birth_cycle = cycle + k;
     node.quality = static_cast<RadiusQuality>(std::min(levels > 2 ? 0 : 3 - levels, 3));
-    if (order < 2) node.radius_se = 0.03 * node.radius;
+    node.radius_se = 0.03 * node.radius;
     parent = tree.add(node);
     at = node.end;
     along = (along + 0.12 * random.direction() + 0.05 * Vec3::UnitZ()).normalized();
