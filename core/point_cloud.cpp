@@ -11,6 +11,7 @@ PointCloud PointCloud::subset(const std::vector<char>& keep) const {
   PointCloud part;
   part.origin_shift = origin_shift;
   part.crs_wkt = crs_wkt;
+  part.scanner_positions = scanner_positions;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!keep[i]) continue;
     part.points.push_back(points[i]);

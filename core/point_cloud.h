@@ -20,6 +20,7 @@ struct PointCloud {
   std::vector<Vec3> points;                  ///< local, metres
   std::vector<float> intensity;              ///< as in the file, no unit
   std::vector<std::uint8_t> classification;  ///< ASPRS codes where the file is LAS
+  std::vector<Vec3> scanner_positions;       ///< where the file states them; local, metres
   std::string crs_wkt;                       ///< coordinate system as the file states it, else empty
 
   std::size_t size() const { return points.size(); }

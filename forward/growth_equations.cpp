@@ -280,8 +280,44 @@ double age(Parameters p, double x) {
 }
 }  // namespace monomolecular
 
+// Richards (generalised logistic): X = a / (1 + e^(b-ct))^(1/d).
+namespace richards {
+constexpr std::array<ParameterSpec, 4> kParameters{{
+    {"a", "a", "size", 100, kTiny, kHuge, "final size", "Richards 1959"},
+    {"b", "b", "", 4, -1e4, 1e4, "position on the time axis", "Richards 1959"},
+    {"c", "c", "1/time", 0.34, kTiny, 1e6, "growth rate", "Richards 1959"},
+    {"d", "d", "", 1, 1e-4, 1e4, "shape; 1 is the logistic", "Richards 1959"},
+}};
+// ln(1 + e^x) without overflow, and its derivative.
+double softplus(double x) {
+  return x > 0 ? x + std::log1p(std::exp(-x)) : std::log1p(std::exp(x));
+}
+double share(double x) {
+  return 1 / (1 + std::exp(-x));
+}
+double value(Parameters p, double t) {
+  return p[0] * std::exp(-softplus(p[1] - p[2] * t) / p[3]);
+}
+double rate(Parameters p, double t) {
+  return value(p, t) * share(p[1] - p[2] * t) * p[2] / p[3];
+}
+void gradient(Parameters p, double t, Gradient g) {
+  const double x = p[1] - p[2] * t, size = value(p, t);
+  g[0] = size / p[0];
+  g[1] = -size * share(x) / p[3];
+  g[2] = -t * g[1];
+  g[3] = size * softplus(x) / (p[3] * p[3]);
+}
+double inflection(Parameters p) {
+  return (p[1] - std::log(p[3])) / p[2];
+}
+double age(Parameters p, double x) {
+  return x > 0 && x < p[0] ? (p[1] - std::log(std::expm1(p[3] * std::log(p[0] / x)))) / p[2] : kNaN;
+}
+}  // namespace richards
+
 #define DENDROFIT_EQUATION(ns) ns::value, ns::rate, ns::gradient, ns::inflection, ns::age
-constexpr std::array<GrowthEquation, 8> kEquations{{
+constexpr std::array<GrowthEquation, 9> kEquations{{
     {"logistic", "logistic", "Xm / (1 + (Xm/X0 - 1) exp(-r t))", logistic::kParameters, false, 1,
      DENDROFIT_EQUATION(logistic)},
     {"bertalanffy", "Bertalanffy", "b1 (1 - exp(-b2 t))^3", bertalanffy::kParameters, true, 0,
@@ -297,6 +333,8 @@ constexpr std::array<GrowthEquation, 8> kEquations{{
      DENDROFIT_EQUATION(hossfeld4)},
     {"monomolecular", "monomolecular", "a (1 - c exp(-b t))", monomolecular::kParameters, false, 0,
      DENDROFIT_EQUATION(monomolecular)},
+    {"richards", "Richards", "a / (1 + exp(b - c t))^(1/d)", richards::kParameters, false, 0,
+     DENDROFIT_EQUATION(richards)},
 }};
 #undef DENDROFIT_EQUATION
 

@@ -37,7 +37,7 @@ struct GrowthEquation {
 };
 
 /// All equations: logistic, bertalanffy, weibull (the paper's), gompertz, chapman_richards, korf, hossfeld4,
-/// monomolecular.
+/// monomolecular, richards.
 std::span<const GrowthEquation> growth_equations();
 
 /// The equation of that name; throws InputError naming the nearest known one.

@@ -110,7 +110,7 @@ TEST_P(EveryGrowthEquation, TableRowIsComplete) {
 
 INSTANTIATE_TEST_SUITE_P(All, EveryGrowthEquation,
                          testing::Values("logistic", "bertalanffy", "weibull", "gompertz", "chapman_richards",
-                                         "korf", "hossfeld4", "monomolecular"),
+                                         "korf", "hossfeld4", "monomolecular", "richards"),
                          [](const auto& param_info) { return param_info.param; });
 
 TEST(GrowthEquations, LogisticHasThePapersValues) {
