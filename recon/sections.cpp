@@ -54,6 +54,7 @@ class Cutter {
   struct Group {
     std::vector<std::uint32_t> points;
     Vec3 mean = Vec3::Zero();
+    bool main = false;  // goes on where the parent's cylinder would
   };
 
   void plant(const Foot& foot) {
@@ -121,15 +122,15 @@ class Cutter {
     return groups;
   }
 
-  /// Whether a group lies within the section's cylinder, prolonged.
-  bool within(const Group& group, const Section& s) const {
+  /// Share of a group's points that lie within the section's cylinder, prolonged.
+  double share_within(const Group& group, const Section& s) const {
     const double reach = 1.15 * s.radius_m + settings_.noise_m;
     std::size_t inside = 0;
     for (const std::uint32_t p : group.points) {
       const Vec3 d = points_[p] - s.centre;
       inside += (d - s.direction * d.dot(s.direction)).norm() <= reach;
     }
-    return 2 * inside >= group.points.size();
+    return static_cast<double>(inside) / static_cast<double>(group.points.size());
   }
 
   void grow(std::size_t index) {
@@ -142,7 +143,7 @@ class Cutter {
       parent.radius_m = sections_[index].radius_m;
       parent.coasted_m = sections_[index].coasted_m;
       std::vector<Group> groups = groups_of(reached, parent);
-      if (groups.size() > 1) merge_within(groups, parent);
+      merge_within(groups, parent);
       for (Group& group : groups) {
         add(static_cast<std::int32_t>(index), parent, group);
         end_.push_back(end);
@@ -150,17 +151,21 @@ class Cutter {
     }
   }
 
+  /// Thick wood has one successor: all groups within its prolonged cylinder, and those that a crotch joins to it.
   void merge_within(std::vector<Group>& groups, const Section& parent) const {
-    Group* first = nullptr;
+    if (parent.radius_m < 2 * settings_.noise_m) return;
+    Group* main = nullptr;
     for (Group& g : groups) {
-      if (parent.radius_m < 2 * settings_.noise_m || !within(g, parent)) continue;
-      if (!first) {
-        first = &g;
+      const double share = share_within(g, parent);
+      if (share < 0.5 && (share < 0.2 || share * static_cast<double>(g.points.size()) < 8)) continue;
+      if (!main) {
+        main = &g;
+        main->main = true;
         continue;
       }
-      const auto a = static_cast<double>(first->points.size()), b = static_cast<double>(g.points.size());
-      first->mean = (a * first->mean + b * g.mean) / (a + b);
-      first->points.insert(first->points.end(), g.points.begin(), g.points.end());
+      const auto a = static_cast<double>(main->points.size()), b = static_cast<double>(g.points.size());
+      main->mean = (a * main->mean + b * g.mean) / (a + b);
+      main->points.insert(main->points.end(), g.points.begin(), g.points.end());
       g.points.clear();
     }
     std::erase_if(groups, [](const Group& g) { return g.points.empty(); });
@@ -213,7 +218,7 @@ class Cutter {
       narrowest = std::min(narrowest, (points_[p] - points_[q]).norm());
     }
     s.after_gap = links > 0 && narrowest > 4 * graph_.typical_spacing_m;
-    if (continue_cylinder(parent, group, s)) {
+    if (group.main && continue_cylinder(parent, group, s)) {
       s.points = std::move(group.points);
       sections_.push_back(std::move(s));
       return;
@@ -224,9 +229,8 @@ class Cutter {
     const bool goes_on = aside <= 0.6 * parent.radius_m + settings_.noise_m && along > 0;
     // In a crotch the cross-section is no circle for a while, and behind others' wood too little is seen:
     // thick wood keeps its course.
-    if (parent.radius_m > 4 * settings_.noise_m && along > 0 && aside < 1.3 * parent.radius_m &&
-        parent.coasted_m + along < 5 * parent.radius_m &&
-        (within(group, parent) || group.points.size() >= 30)) {
+    if (group.main && parent.radius_m > 4 * settings_.noise_m && along > 0 &&
+        parent.coasted_m + along < 5 * parent.radius_m) {
       s.centre = parent.centre + along * parent.direction;
       s.direction = parent.direction;
       s.radius_m = 0.99 * parent.radius_m;

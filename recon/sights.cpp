@@ -17,6 +17,7 @@ constexpr double kShortestWindow = 0.03;  // half the length along which points 
 constexpr double kLongestWindow = 0.10;
 constexpr std::size_t kEnoughPoints = 14;
 constexpr std::size_t kFewestPoints = 6;
+constexpr double kArcOnly = 4;  // radii in noises: thicker wood is judged by circles alone
 constexpr double kUnseen = std::numeric_limits<double>::infinity();
 
 /// The points about one node, seen along the centre line.
@@ -109,6 +110,12 @@ Sights look_at_limbs(const std::vector<Vec3>& points, const std::vector<Limb>& l
         if (sight.spread.count == 0) continue;
         const double apparent = std::sqrt(sight.spread.square);
         sight.circle = sound_circle(view, node, apparent, options.noise_m);
+        if (!sight.circle.ok && node.rough_radius_m > kArcOnly * options.noise_m) {
+          // A strip of thick wood's surface tells neither its middle nor its width: the sections' course holds.
+          sight.spread = {};
+          sight.centre_se = 0.3 * node.rough_radius_m;
+          continue;
+        }
         const Eigen::Vector2d off = sight.circle.ok ? sight.circle.centre : sight.spread.middle;
         sight.centre = node.centre + off.x() * view.u + off.y() * view.v;
         // A cluster seen from one side has its middle off the axis by about half its radius.
