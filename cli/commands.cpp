@@ -18,6 +18,8 @@ constexpr auto kCommands = std::to_array<CommandRow>({
     {"grow", "grow a tree, cycle by cycle", "dendrofit grow standard -o tree --cycles 15", &make_grow},
     {"leaves", "leaves that intersect nothing, on any QSM", "dendrofit leaves qsm.csv -o result --area 40",
      &make_leaves},
+    {"scan", "virtual laser scan of a tree, truth beside it",
+     "dendrofit scan qsm.csv -o cloud.las --stations 4", &make_scan},
     {"info", "what a file holds", "dendrofit info tree.las", &make_info},
     {"convert", "between point cloud, QSM and mesh formats", "dendrofit convert tree.las tree.ply",
      &make_convert},

@@ -15,6 +15,7 @@ std::unique_ptr<Command> make_reconstruct();
 std::unique_ptr<Command> make_fit();
 std::unique_ptr<Command> make_grow();
 std::unique_ptr<Command> make_leaves();
+std::unique_ptr<Command> make_scan();
 std::unique_ptr<Command> make_info();
 std::unique_ptr<Command> make_convert();
 
