@@ -12,7 +12,6 @@ find_package(tomlplusplus REQUIRED)
 find_package(pugixml REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(PNG REQUIRED)
-find_package(ZLIB REQUIRED)
 
 # CGAL is header-only; its target adds -frounding-math to whoever links it, which is right only for the files that
 # use it. Those name the flag themselves and their floor links DENDROFIT_CGAL_LIBRARIES.
