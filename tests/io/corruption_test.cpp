@@ -13,6 +13,7 @@
 #include "io/write_mesh.h"
 #include "io/write_tree.h"
 #include "tests/io/allocations.h"
+#include "tests/io/e57_sample.h"
 #include "tests/io/samples.h"
 #include "tests/io/text_samples.h"
 
@@ -76,6 +77,7 @@ std::vector<Format> formats() {
       {"cloud.pcd", cloud, read_cloud_checked, true},
       {"ascii.pcd", text(test::ascii_pcd()), read_cloud_checked, false},
       {"packed.pcd", text(test::packed_pcd()), read_cloud_checked, true},
+      {"cloud.e57", text(test::e57_file()), read_cloud_checked, true},
       {"cloud.ptx", text(test::ptx()), read_cloud_checked, false},
       {"cloud.pts", text(test::pts()), read_cloud_checked, false},
       {"cloud.xyz", cloud, read_cloud_checked, false},
