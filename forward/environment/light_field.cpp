@@ -23,8 +23,8 @@ ShadeProfile::ShadeProfile(double b) {
   require(b > 1, "b", b, "must be greater than 1");
   for (int q = 0;; ++q) {
     const auto weight = static_cast<Fixed>(std::llround(std::pow(b, -q) * static_cast<double>(kFullLight)));
-    if (weight == 0) break;
     weight_.push_back(weight);
+    if (weight == 0) break;
   }
 }
 
@@ -66,8 +66,7 @@ void LightField::cover(std::size_t index, const Rect& rect) {
            std::move(grown)};
 }
 
-void LightField::add_square(std::size_t index, std::int32_t x, std::int32_t y, int half, Fixed amount) {
-  Layer& layer = layers_[index];
+void LightField::add_square(Layer& layer, std::int32_t x, std::int32_t y, int half, Fixed amount) {
   const std::int64_t row = std::int64_t{y} - half - layer.y0;
   Fixed* low = layer.difference.data() + row * layer.nx + (x - half - layer.x0);
   Fixed* high = low + std::int64_t{2 * half + 1} * layer.nx;
@@ -108,11 +107,23 @@ void LightField::cast(std::span<const Voxel> nodes, const ShadeProfile& profile,
     if (need.x0 <= need.x1) cover(static_cast<std::size_t>(z), need);
   }
 
-  // l = l_0 - b^-q (Yi 2018, 4.5), as the four corners of each layer's square.
-  for (const Voxel& v : nodes) {
-    const int last = std::min(profile.layers() - 1, v.z);
-    for (int q = 0; q <= last; ++q)
-      add_square(static_cast<std::size_t>(v.z - q), v.x, v.y, half_width(q), sign * profile[q]);
+  // l = l_0 - b^-q (Yi 2018, 4.5), as the four corners of each layer's square; layer by layer, so that one
+  // layer at a time is written to.
+  std::vector<std::uint32_t> first(nodes_at.size() + 1, 0);
+  for (const Voxel& v : nodes)
+    if (v.z >= 0) ++first[static_cast<std::size_t>(v.z - lowest) + 1];
+  for (std::size_t z = 1; z < first.size(); ++z) first[z] += first[z - 1];
+  std::vector<Voxel> sorted(first.back());
+  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+  for (const Voxel& v : nodes)
+    if (v.z >= 0) sorted[next[static_cast<std::size_t>(v.z - lowest)]++] = v;
+  for (std::int32_t z = std::max(0, lowest - profile.layers() + 1); z <= highest; ++z) {
+    Layer& layer = layers_[static_cast<std::size_t>(z)];
+    for (int q = std::max(0, lowest - z); q < profile.layers() && z + q <= highest; ++q) {
+      const auto above = static_cast<std::size_t>(z + q - lowest);
+      for (std::uint32_t i = first[above]; i < first[above + 1]; ++i)
+        add_square(layer, sorted[i].x, sorted[i].y, half_width(q), sign * profile[q]);
+    }
   }
 }
 
@@ -121,7 +132,7 @@ void LightField::darken(const Voxel& voxel, Fixed amount) {
   const auto z = static_cast<std::size_t>(voxel.z);
   if (layers_.size() <= z) layers_.resize(z + 1);
   cover(z, {voxel.x, voxel.y, voxel.x, voxel.y});
-  add_square(z, voxel.x, voxel.y, 0, amount);
+  add_square(layers_[z], voxel.x, voxel.y, 0, amount);
 }
 
 void LightField::read(std::span<const Voxel> at, std::span<Fixed> shade) const {
