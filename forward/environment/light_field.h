@@ -56,14 +56,14 @@ class LightField {
 
  private:
   struct Layer {
-    std::int32_t x0 = 0, y0 = 0, nx = 0, ny = 0;
-    std::vector<Fixed> difference;  // row after row along x
+    std::int32_t x0 = 0, y0 = 0, nx = 0, ny = 0;  // of the array
+    std::int32_t used_x0 = 0, used_y0 = 0;        // nothing but 0 before these
+    std::vector<Fixed> difference;                // row after row along x
   };
   struct Rect {
     std::int32_t x0, y0, x1, y1;  // inclusive, empty while x0 > x1
   };
   void cover(std::size_t layer, const Rect& rect);
-  static void add_square(Layer& layer, std::int32_t x, std::int32_t y, int half, Fixed amount);
 
   std::vector<Layer> layers_;
   double max_gib_;

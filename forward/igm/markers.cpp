@@ -28,20 +28,21 @@ constexpr std::int32_t kTakenVoxel = 1 << 28;
 
 // shade[i] += weight[q] where the marker lies in the node's shadow; weight[layers] is 0.
 DENDROFIT_VECTORISED
-void shade_run(std::size_t n, const std::int32_t* vx, const std::int32_t* vy, const std::int32_t* vz,
-               Voxel node, const Fixed* weight, std::int32_t layers, Fixed* shade) {
+void shade_run(std::size_t n, const std::int32_t* __restrict vx, const std::int32_t* __restrict vy,
+               const std::int32_t* __restrict vz, Voxel node, const Fixed* __restrict weight,
+               std::int32_t layers, Fixed* __restrict shade) {
   for (std::size_t i = 0; i < n; ++i) {
     const std::int32_t q = node.z - vz[i];
-    const std::int32_t dx = std::abs(vx[i] - node.x), dy = std::abs(vy[i] - node.y);
-    const std::int32_t half = std::min(q, kPyramidLayers);
-    const bool in = (q < layers) & (dx <= half) & (dy <= half);  // q < 0 leaves half < 0
-    shade[i] += weight[in ? q : layers];
+    const std::int32_t away = std::max(std::abs(vx[i] - node.x), std::abs(vy[i] - node.y));
+    const std::int32_t half = std::min(q, kPyramidLayers);  // below 0 where q is
+    const std::int32_t in = -static_cast<std::int32_t>(away <= half) & -static_cast<std::int32_t>(q < layers);
+    shade[i] += weight[(q & in) | (layers & ~in)];
   }
 }
 
 DENDROFIT_VECTORISED
-void distance_run(std::size_t n, const float* x, const float* y, const float* z, float px, float py, float pz,
-                  float* d2) {
+void distance_run(std::size_t n, const float* __restrict x, const float* __restrict y,
+                  const float* __restrict z, float px, float py, float pz, float* __restrict d2) {
   for (std::size_t i = 0; i < n; ++i) {
     const float dx = x[i] - px, dy = y[i] - py, dz = z[i] - pz;
     d2[i] = dx * dx + dy * dy + dz * dz;
@@ -52,13 +53,13 @@ void distance_run(std::size_t n, const float* x, const float* y, const float* z,
 
 MarkerField::MarkerField(const std::vector<Vec3>& position, const std::vector<Fixed>& shade,
                          const VoxelFrame& frame, double cell_m)
-    : frame_(frame), cell_(cell_m / frame.edge_m) {
+    : frame_(frame), cell_(Vec3(cell_m, 0.5 * cell_m, cell_m) / frame.edge_m) {
   if (position.empty()) return;
   const Bounds bounds = bounds_of(position);
   lo_ = (bounds.lo - frame.origin) / frame.edge_m;
-  if ((bounds.size() / cell_m + Vec3::Ones()).prod() > kMostCells)
+  if (((bounds.size() / frame.edge_m).cwiseQuotient(cell_) + Vec3::Ones()).prod() > kMostCells)
     throw InputError("trees stand too far apart to share one light field; grow them in separate runs");
-  for (int axis = 0; axis < 3; ++axis) count_[axis] = static_cast<int>(bounds.size()[axis] / cell_m) + 1;
+  for (int axis = 0; axis < 3; ++axis) count_[axis] = static_cast<int>(bounds.size()[axis] / frame.edge_m / cell_[axis]) + 1;
 
   const std::size_t n = position.size();
   std::vector<std::uint32_t> cell(n);
@@ -89,7 +90,7 @@ MarkerField::MarkerField(const std::vector<Vec3>& position, const std::vector<Fi
 }
 
 int MarkerField::cell_of(double coordinate, int axis) const {
-  return std::clamp(static_cast<int>(std::floor((coordinate - lo_[axis]) / cell_)), 0, count_[axis] - 1);
+  return std::clamp(static_cast<int>(std::floor((coordinate - lo_[axis]) / cell_[axis])), 0, count_[axis] - 1);
 }
 
 MarkerField::Run MarkerField::run(int x, int y0, int y1, int z) const {
@@ -97,6 +98,27 @@ MarkerField::Run MarkerField::run(int x, int y0, int y1, int z) const {
       (static_cast<std::size_t>(z) * static_cast<std::size_t>(count_[0]) + static_cast<std::size_t>(x)) *
       static_cast<std::size_t>(count_[1]);
   return {first_[row + static_cast<std::size_t>(y0)], first_[row + static_cast<std::size_t>(y1) + 1]};
+}
+
+// Squeezes out the markers that are gone once they are a quarter of all.
+void MarkerField::squeeze() {
+  if (4 * taken_ < x_.size()) return;
+  std::uint32_t to = 0;
+  for (std::size_t c = 0; c + 1 < first_.size(); ++c) {
+    const std::uint32_t from = first_[c], end = first_[c + 1];
+    first_[c] = to;
+    for (std::uint32_t i = from; i < end; ++i) {
+      if (vx_[i] == kTakenVoxel) continue;
+      x_[to] = x_[i], y_[to] = y_[i], z_[to] = z_[i];
+      vx_[to] = vx_[i], vy_[to] = vy_[i], vz_[to] = vz_[i];
+      shade_[to] = shade_[i];
+      ++to;
+    }
+  }
+  first_.back() = to;
+  const auto resize = [to](auto&... column) { (column.resize(to), ...); };
+  resize(x_, y_, z_, vx_, vy_, vz_, shade_);
+  taken_ = 0;
 }
 
 bool MarkerField::pull(const Vec3& at, const Vec3& heading, double near_m, double far_m, double cone,
@@ -128,6 +150,7 @@ bool MarkerField::pull(const Vec3& at, const Vec3& heading, double near_m, doubl
           if (d2[j] <= near2) {
             x_[i] = kTakenPosition;
             vx_[i] = kTakenVoxel;
+            ++taken_;
             continue;
           }
           const float dx = x_[i] - px, dy = y_[i] - py, dz = z_[i] - pz;
@@ -148,12 +171,13 @@ bool MarkerField::pull(const Vec3& at, const Vec3& heading, double near_m, doubl
 }
 
 void MarkerField::cast(const Voxel& node, const ShadeProfile& profile) {
+  squeeze();
   if (x_.empty()) return;
   const int deepest = profile.layers() - 1;
   const int cz0 = cell_of(node.z - deepest - 0.5, 2), cz1 = cell_of(node.z + 0.5, 2);
   for (int cz = cz0; cz <= cz1; ++cz) {
     // The shadow's width at the bottom of this layer of cells.
-    const double bottom = lo_.z() + cz * cell_;
+    const double bottom = lo_.z() + cz * cell_.z();
     const int half = std::clamp(static_cast<int>(std::ceil(node.z - bottom + 0.5)), 0, kPyramidLayers);
     const int cx0 = cell_of(node.x - half - 0.5, 0), cx1 = cell_of(node.x + half + 0.5, 0);
     const int cy0 = cell_of(node.y - half - 0.5, 1), cy1 = cell_of(node.y + half + 0.5, 1);

@@ -18,7 +18,7 @@ namespace dendrofit::igm {
 class MarkerField {
  public:
   MarkerField() = default;
-  /// Sorts `position` (with the shade at each) into cells of `cell_m`.
+  /// Sorts `position` (with the shade at each) into cells, `cell_m` long in x and z and half that in y.
   MarkerField(const std::vector<Vec3>& position, const std::vector<Fixed>& shade, const VoxelFrame& frame,
               double cell_m);
 
@@ -37,15 +37,17 @@ class MarkerField {
   int cell_of(double coordinate, int axis) const;
   /// Markers of the cells (x, y0..y1, z), which are neighbours in memory.
   Run run(int x, int y0, int y1, int z) const;
+  void squeeze();
 
   VoxelFrame frame_;
-  double cell_ = 1;         // voxels
+  Vec3 cell_ = Vec3::Ones();  // voxels
   Vec3 lo_ = Vec3::Zero();  // voxels
   int count_[3] = {0, 0, 0};
   std::vector<std::uint32_t> first_;        // of each cell; z slowest, y fastest
   std::vector<float> x_, y_, z_;            // voxels from lo_; far away once taken
   std::vector<std::int32_t> vx_, vy_, vz_;  // far away once taken
   std::vector<Fixed> shade_;
+  std::size_t taken_ = 0;
 };
 
 }  // namespace dendrofit::igm

@@ -16,7 +16,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 // Distances in internodes: markers nearer than the first are taken, those within the second pull.
 constexpr double kNear = 2, kFar = 4;
-constexpr double kMarkerCell = 2;                    // of the grid that finds them
+constexpr double kMarkerCell = 4;                    // of the grid that finds them
 constexpr double kConeCosine = 0.86602540378443865;  // 30 degrees
 constexpr double kTrunkTurn = 135 * kPi / 180;       // from one trunk lateral to the next
 constexpr double kLowest = 2;                        // internodes above the root: laterals go no lower
