@@ -54,7 +54,7 @@ struct Willingness {
 };
 
 /// Where a model is coarser than real twigs, the thinnest fifth of its branches (or of its stems) bears.
-Bearing rule_for(const Tree& tree, const Bearing& wanted, std::vector<std::string>& warnings) {
+Bearing rule_for(const Tree& tree, const Bearing& wanted, BearingWood& wood) {
   const bool branched =
       std::any_of(tree.order.begin(), tree.order.end(), [](std::int32_t o) { return o > 0; });
   Bearing rule = wanted;
@@ -62,9 +62,10 @@ Bearing rule_for(const Tree& tree, const Bearing& wanted, std::vector<std::strin
   if (thinnest > wanted.twig_radius_m) {
     rule.twig_radius_m = thinnest;
     rule.max_radius_m = std::max({wanted.max_radius_m, 1.5 * thinnest, radius_quantile(tree, 0.5, branched)});
-    if (thinnest > 2 * wanted.twig_radius_m)
-      warnings.push_back("the model has few twigs: leaves sit on wood of up to " +
-                         std::to_string(std::lround(rule.max_radius_m * 1000)) + " mm radius");
+    wood.coarse = thinnest > 1.5 * wanted.twig_radius_m;
+    if (wood.coarse)
+      wood.warnings.push_back("the model has few twigs: leaves sit on wood of up to " +
+                              std::to_string(std::lround(rule.max_radius_m * 1000)) + " mm radius");
   }
   return rule;
 }
@@ -178,7 +179,7 @@ double fit_shares(std::vector<Piece>& pieces, const LeafProfile& profile) {
 BearingWood find_bearing_wood(const Tree& tree, const LeafOptions& options) {
   BearingWood wood;
   if (tree.empty()) return wood;
-  const Willingness willing{rule_for(tree, options.traits.bearing, wood.warnings)};
+  const Willingness willing{rule_for(tree, options.traits.bearing, wood)};
   const std::vector<Axis> axes = axes_of(tree);
   wood.axis_tip_m.assign(tree.size(), 0);
   wood.foot_z = foot_height(tree);
