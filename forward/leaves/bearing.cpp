@@ -135,6 +135,23 @@ double crown_area(const Tree& tree, const std::vector<Piece>& pieces, double rea
   return plan_hull(points).area_m2;
 }
 
+/// Plan area of the cells within a cell of bearing wood.
+double covered_area(const Tree& tree, const std::vector<Piece>& pieces) {
+  constexpr double kCell = 0.25;
+  std::vector<std::pair<std::int64_t, std::int64_t>> cells;
+  for (const Piece& p : pieces) {
+    const auto i = static_cast<std::size_t>(p.node);
+    const Vec3 at = tree.start[i] + p.t1 * (tree.end[i] - tree.start[i]);
+    const auto x = static_cast<std::int64_t>(std::floor(at.x() / kCell));
+    const auto y = static_cast<std::int64_t>(std::floor(at.y() / kCell));
+    for (std::int64_t dx = -1; dx <= 1; ++dx)
+      for (std::int64_t dy = -1; dy <= 1; ++dy) cells.emplace_back(x + dx, y + dy);
+  }
+  std::sort(cells.begin(), cells.end());
+  const auto last = std::unique(cells.begin(), cells.end());
+  return kCell * kCell * static_cast<double>(last - cells.begin());
+}
+
 }  // namespace
 
 double fit_shares(std::vector<Piece>& pieces, const LeafProfile& profile) {
@@ -253,11 +270,13 @@ BearingWood find_bearing_wood(const Tree& tree, const LeafOptions& options) {
   wood.cumulative.resize(wood.pieces.size());
   double sum = 0;
   for (std::size_t k = 0; k < wood.pieces.size(); ++k) wood.cumulative[k] = sum += wood.pieces[k].share;
+  wood.covered_m2 = covered_area(tree, wood.pieces);
   double reach = 0;
   for (const LeafShapeShare& s : options.traits.shapes) reach = std::max(reach, BodyPlan(s.shape).reach);
   wood.crown_area_m2 = crown_area(tree, wood.pieces,
                                   reach * options.traits.length.mean_m +
                                       0.5 * (options.traits.petiole_min_m + options.traits.petiole_max_m));
+  wood.covered_m2 = std::min(wood.covered_m2, wood.crown_area_m2);
   return wood;
 }
 

@@ -39,7 +39,7 @@ Target resolve_target(const LeafOptions& options, const BearingWood& wood, doubl
     area = *options.lai * wood.crown_area_m2 * options.season;
   } else {
     report.target = "usual";
-    const double full = options.traits.usual_lai * wood.crown_area_m2;
+    const double full = options.traits.usual_lai * wood.covered_m2;
     const double carried = options.traits.most_per_metre_m2 * wood.length_m;
     area = std::min(full, carried) * options.season;
     if (carried < full)
@@ -131,7 +131,7 @@ TwigGrowth missing_twigs(const Tree& tree, const BearingWood& wood, const LeafOp
   LeafReport ignored;
   Target target = resolve_target(options, wood, mean_area, ignored);
   double area = target.by_count ? target.value * mean_area : target.value;
-  if (ignored.target == "usual") area = options.traits.usual_lai * wood.crown_area_m2 * options.season;
+  if (ignored.target == "usual") area = options.traits.usual_lai * wood.covered_m2 * options.season;
   const double per_metre = options.traits.most_per_metre_m2;
   if (area <= per_metre * wood.length_m) return {};
   return grow_twigs(tree, wood, area / (kTwigLoad * per_metre), options.seed);

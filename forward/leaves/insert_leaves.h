@@ -41,7 +41,8 @@ struct LeafProfile {
 };
 
 struct LeafOptions {
-  /// At most one of the three; none: the species' usual LAI, as far as the twigs carry it.
+  /// At most one of the three; none: the species' usual LAI over the plan area that
+  /// bearing wood covers, as far as the twigs carry it.
   std::optional<double> area_m2;  ///< one-sided
   std::optional<std::size_t> count;
   std::optional<double> lai;  ///< over the crown projection (plan hull of the bearing wood)
