@@ -4,8 +4,10 @@
 #include "recon/cylinder_fit.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <span>
 
 namespace dendrofit {
@@ -151,21 +153,49 @@ class Cutter {
     }
   }
 
-  /// Thick wood has one successor: all groups within its prolonged cylinder, and those that a crotch joins to it.
+  /// Number of 24 sectors of the section's prolonged surface in which a group has points.
+  int sectors_of(const Group& group, const Section& s) const {
+    Vec3 u, v;
+    plane_frame(s.direction, u, v);
+    const double reach = std::max(2 * settings_.noise_m, 0.2 * s.radius_m);
+    std::uint32_t seen = 0;
+    for (const std::uint32_t p : group.points) {
+      const Vec3 d = points_[p] - s.centre;
+      const double x = d.dot(u), y = d.dot(v);
+      if (std::abs(std::hypot(x, y) - s.radius_m) > reach) continue;
+      seen |= 1U << static_cast<int>(std::min(23.0, 12 * (std::atan2(y, x) / std::numbers::pi + 1)));
+    }
+    return std::popcount(seen);
+  }
+
+  /// Thick wood has one successor: all groups within its prolonged cylinder are one, and a group that a
+  /// crotch joins to the wood is part of it where it holds most of the surface.
   void merge_within(std::vector<Group>& groups, const Section& parent) const {
     if (parent.radius_m < 2 * settings_.noise_m) return;
-    Group* main = nullptr;
+    std::vector<Group*> within, joined;
+    int sectors = 0;
     for (Group& g : groups) {
       const double share = share_within(g, parent);
-      if (share < 0.5 && (share < 0.2 || share * static_cast<double>(g.points.size()) < 8)) continue;
-      if (!main) {
-        main = &g;
-        main->main = true;
-        continue;
+      if (share >= 0.5) {
+        within.push_back(&g);
+        sectors += sectors_of(g, parent);
+      } else if (share >= 0.2) {
+        joined.push_back(&g);
       }
-      const auto a = static_cast<double>(main->points.size()), b = static_cast<double>(g.points.size());
-      main->mean = (a * main->mean + b * g.mean) / (a + b);
-      main->points.insert(main->points.end(), g.points.begin(), g.points.end());
+    }
+    for (Group* g : joined) {
+      const int theirs = sectors_of(*g, parent);
+      const bool holds_surface = theirs >= 8 && theirs >= 2 * sectors;
+      if (groups.size() == 1 || (!within.empty() && holds_surface)) within.push_back(g);
+    }
+    if (within.empty()) return;
+    Group& main = *within.front();
+    main.main = true;
+    for (std::size_t k = 1; k < within.size(); ++k) {
+      Group& g = *within[k];
+      const auto a = static_cast<double>(main.points.size()), b = static_cast<double>(g.points.size());
+      main.mean = (a * main.mean + b * g.mean) / (a + b);
+      main.points.insert(main.points.end(), g.points.begin(), g.points.end());
       g.points.clear();
     }
     std::erase_if(groups, [](const Group& g) { return g.points.empty(); });
