@@ -18,7 +18,9 @@ constexpr double kLinkSpacings = 3.0;  // a longer link would leap over a gap: b
 
 }  // namespace
 
-double step_cost(double length_m, double spacing_m) { return length_m * (1 + length_m / std::max(1e-6, spacing_m)); }
+double step_cost(double length_m, double spacing_m) {
+  return length_m * (1 + length_m / std::max(1e-6, spacing_m));
+}
 
 void GraphOptions::validate() const {
   require(neighbors >= 4 && neighbors <= 64, "neighbors", neighbors, "must lie between 4 and 64");

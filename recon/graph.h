@@ -43,7 +43,8 @@ struct Bridge {
   std::uint32_t a = 0;
   std::uint32_t b = 0;
   double gap_m = 0;
-  double cost_m = 0;  ///< of crossing it, see step_cost(); more where it bends away from the wood on either side
+  double cost_m =
+      0;  ///< of crossing it, see step_cost(); more where it bends away from the wood on either side
 };
 
 /// Connected parts of the graph over its open points (open[i] != 0).

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "recon/mend.h"
 
+#include "core/neighbors.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "core/neighbors.h"
 
 namespace dendrofit {
 namespace {
@@ -32,8 +32,8 @@ std::uint32_t foremost(const std::vector<Vec3>& points, const std::vector<std::u
 
 std::vector<Bridge> mend_cut_branches(const std::vector<Vec3>& points, const std::vector<Section>& sections,
                                       double spacing_m, double max_gap_m) {
-  constexpr double kThick = 0.012;        // thinner ends may be real ones
-  constexpr double kFarthestRadii = 12;   // ahead of the end
+  constexpr double kThick = 0.012;       // thinner ends may be real ones
+  constexpr double kFarthestRadii = 12;  // ahead of the end
   constexpr std::size_t kFewestPoints = 8;
   std::vector<Bridge> bridges;
   const double thick = std::max(kThick, spacing_m);
@@ -44,7 +44,7 @@ std::vector<Bridge> mend_cut_branches(const std::vector<Vec3>& points, const std
   std::vector<Vec3> centres;
   std::vector<std::size_t> which;
   for (std::size_t i = 0; i < sections.size(); ++i) {
-    if (sections[i].radius_m < 0.5 * thick || sections[i].points.size() < kFewestPoints / 2) continue;
+    if (sections[i].extent_m < 0.4 * thick || sections[i].points.size() < kFewestPoints) continue;
     centres.push_back(sections[i].centre);
     which.push_back(i);
   }
@@ -52,20 +52,25 @@ std::vector<Bridge> mend_cut_branches(const std::vector<Vec3>& points, const std
   std::vector<Neighbor> found;
   for (std::size_t i = 0; i < sections.size(); ++i) {
     const Section& end = sections[i];
-    if (goes_on[i] || end.parent < 0 || end.radius_m < thick || end.points.size() < kFewestPoints) continue;
+    if (goes_on[i] || end.parent < 0 || end.radius_m < thick) continue;
     const Vec3 direction = run_direction(sections, i);
     const double farthest = std::min(max_gap_m, kFarthestRadii * end.radius_m + 4 * spacing_m);
     index.within(end.centre, farthest, found);
     for (const Neighbor& f : found) {
       const std::size_t j = which[f.index];
       const Section& other = sections[j];
-      if (j == i || other.parent == static_cast<std::int32_t>(i) || static_cast<std::int32_t>(j) == end.parent) continue;
+      if (j == i || other.parent == static_cast<std::int32_t>(i) ||
+          static_cast<std::int32_t>(j) == end.parent)
+        continue;
       const Vec3 ahead = other.centre - end.centre;
       const double along = ahead.dot(direction);
-      if (along < 0.5 * end.radius_m) continue;
+      if (along < -end.radius_m) continue;
       const double aside = (ahead - along * direction).norm();
-      if (aside > 0.7 * end.radius_m + 0.12 * along || std::abs(other.direction.dot(direction)) < 0.75) continue;
-      if (other.radius_m < 0.5 * end.radius_m || other.radius_m > 1.3 * end.radius_m) continue;
+      // (along may be negative: the end has coasted past the point where its own wood was taken)
+      if (aside > 0.7 * end.radius_m + 0.12 * std::abs(along) ||
+          std::abs(other.direction.dot(direction)) < 0.75)
+        continue;
+      if (other.extent_m < 0.45 * end.radius_m || other.extent_m > 1.4 * end.radius_m) continue;
       const std::uint32_t a = foremost(points, end.points, direction);
       const std::uint32_t b = foremost(points, other.points, -direction);
       const double gap = (points[a] - points[b]).norm();

@@ -90,7 +90,8 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   std::vector<Section> sections = cut_sections(scan.points, graph, paths, tree_feet, progress);
   clock.mark("sections");
 
-  const std::vector<Bridge> mended = mend_cut_branches(scan.points, sections, graph.typical_spacing_m, options.max_gap_m);
+  const std::vector<Bridge> mended =
+      mend_cut_branches(scan.points, sections, graph.typical_spacing_m, options.max_gap_m);
   if (!mended.empty()) {
     bridges.insert(bridges.end(), mended.begin(), mended.end());
     paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);

@@ -234,7 +234,23 @@ class Cutter {
     return true;
   }
 
+  double extent(const Group& group, const Vec3& direction) const {
+    double square = 0;
+    for (const std::uint32_t p : group.points) {
+      const Vec3 d = points_[p] - group.mean;
+      square += (d - direction * d.dot(direction)).squaredNorm();
+    }
+    return std::sqrt(square / static_cast<double>(group.points.size()));
+  }
+
   void add(std::int32_t index, const Section& parent, Group& group) {
+    Section s = successor(index, parent, group);
+    s.extent_m = extent(group, s.direction);
+    s.points = std::move(group.points);
+    sections_.push_back(std::move(s));
+  }
+
+  Section successor(std::int32_t index, const Section& parent, const Group& group) const {
     Section s;
     s.parent = index;
     // Where the group touches its parent tells whether it goes on or leaves sideways.
@@ -248,11 +264,7 @@ class Cutter {
       narrowest = std::min(narrowest, (points_[p] - points_[q]).norm());
     }
     s.after_gap = links > 0 && narrowest > 4 * graph_.typical_spacing_m;
-    if (group.main && continue_cylinder(parent, group, s)) {
-      s.points = std::move(group.points);
-      sections_.push_back(std::move(s));
-      return;
-    }
+    if (group.main && continue_cylinder(parent, group, s)) return s;
     const Vec3 ahead = group.mean - parent.centre;
     const double along = ahead.dot(parent.direction);
     const double aside = (ahead - parent.direction * along).norm();
@@ -265,9 +277,7 @@ class Cutter {
       s.direction = parent.direction;
       s.radius_m = 0.99 * parent.radius_m;
       s.coasted_m = parent.coasted_m + along;
-      s.points = std::move(group.points);
-      sections_.push_back(std::move(s));
-      return;
+      return s;
     }
     Vec3 direction;
     if (goes_on) {
@@ -289,12 +299,7 @@ class Cutter {
             0.5 * (fit.radius + std::clamp(fit.radius, 0.6 * parent.radius_m, 1.2 * parent.radius_m));
     } else {
       s.centre = group.mean;
-      double rms = 0;
-      for (const std::uint32_t p : group.points) {
-        const Vec3 d = points_[p] - s.centre;
-        rms += (d - s.direction * d.dot(s.direction)).squaredNorm();
-      }
-      rms = std::sqrt(rms / static_cast<double>(group.points.size()));
+      const double rms = extent(group, s.direction);
       s.radius_m = std::min(rms, parent.radius_m * 1.05);
       if (goes_on && parent.radius_m > 4 * settings_.noise_m) {
         // Too little is seen: the section before tells size and place.
@@ -302,8 +307,7 @@ class Cutter {
         s.centre = parent.centre + parent.direction * along;
       }
     }
-    s.points = std::move(group.points);
-    sections_.push_back(std::move(s));
+    return s;
   }
 
   const std::vector<Vec3>& points_;
