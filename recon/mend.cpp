@@ -33,14 +33,18 @@ std::uint32_t foremost(const std::vector<Vec3>& points, const std::vector<std::u
 std::vector<Bridge> mend_cut_branches(const std::vector<Vec3>& points, const std::vector<Section>& sections,
                                       double spacing_m, double max_gap_m) {
   constexpr double kThick = 0.012;       // thinner ends may be real ones
+  constexpr double kStraight = 0.8;      // cosine of a turn that still goes on
   constexpr double kFarthestRadii = 12;  // ahead of the end
   constexpr std::size_t kFewestPoints = 8;
   std::vector<Bridge> bridges;
-  const double thick = std::max(kThick, spacing_m);
+  const double thick = std::max(kThick, 0.5 * spacing_m);
   std::vector<char> goes_on(sections.size(), 0);
-  for (const Section& s : sections)
-    if (s.parent >= 0 && s.radius_m > 0.6 * sections[static_cast<std::size_t>(s.parent)].radius_m)
-      goes_on[static_cast<std::size_t>(s.parent)] = 1;
+  for (const Section& s : sections) {
+    if (s.parent < 0) continue;
+    const auto p = static_cast<std::size_t>(s.parent);
+    if (s.radius_m > 0.6 * sections[p].radius_m && s.direction.dot(sections[p].direction) > kStraight)
+      goes_on[p] = 1;
+  }
   std::vector<Vec3> centres;
   std::vector<std::size_t> which;
   for (std::size_t i = 0; i < sections.size(); ++i) {
@@ -64,13 +68,18 @@ std::vector<Bridge> mend_cut_branches(const std::vector<Vec3>& points, const std
         continue;
       const Vec3 ahead = other.centre - end.centre;
       const double along = ahead.dot(direction);
-      if (along < -end.radius_m) continue;
       const double aside = (ahead - along * direction).norm();
-      // (along may be negative: the end has coasted past the point where its own wood was taken)
-      if (aside > 0.7 * end.radius_m + 0.12 * std::abs(along) ||
-          std::abs(other.direction.dot(direction)) < 0.75)
-        continue;
-      if (other.extent_m < 0.45 * end.radius_m || other.extent_m > 1.4 * end.radius_m) continue;
+      // The same branch again beyond a gap (or beside its end, which may have coasted past the place), ...
+      const bool goes_on_there = along > -end.radius_m &&
+                                 aside < 0.7 * end.radius_m + 0.12 * std::abs(along) &&
+                                 std::abs(other.direction.dot(direction)) > 0.75 &&
+                                 other.extent_m > 0.45 * end.radius_m && other.extent_m < 1.4 * end.radius_m;
+      // ... or thicker wood, of which this end is then the base: branches end thin in the open, not thick
+      // before a stem.
+      const bool bears_it = along > 0 && other.radius_m > end.radius_m &&
+                            aside < other.radius_m + 0.5 * end.radius_m &&
+                            along - other.radius_m < 8 * end.radius_m;
+      if (!goes_on_there && !bears_it) continue;
       const std::uint32_t a = foremost(points, end.points, direction);
       const std::uint32_t b = foremost(points, other.points, -direction);
       const double gap = (points[a] - points[b]).norm();
