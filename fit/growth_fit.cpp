@@ -408,6 +408,15 @@ GrowthFit fit_growth_equation(const MeasurementSeries& given, const std::string&
     fit.residual_lag1 = lag1_correlation(fit.residuals);
     set_information_criteria(fit, data, free);
     if (!active.empty()) set_covariance(fit, problem, best.c, active, options);
+    // Richards with d -> 0 and Chapman-Richards with c -> infinity are the Gompertz.
+    if ((equation == "richards" && natural[3] < 1e-3) ||
+        (equation == "chapman_richards" && natural[2] > 1e3)) {
+      fit.status = GrowthStatus::no_finite_optimum;
+      fit.reason = limiting_shape(series, equation);
+      fit.covariance.resize(0, 0);
+      for (GrowthParameter& parameter : fit.parameters) parameter.value = kGrowthNaN;
+      return fit;
+    }
     const bool blind = !active.empty() && !(fit.scaled_condition < 1e8);
     if (blind || is_step(curve, natural, data, free)) {
       fit.status = GrowthStatus::ill_conditioned;

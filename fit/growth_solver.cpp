@@ -99,7 +99,7 @@ bool is_exact(const GrowthProblem& problem, double rss) {
   double squares = 0;
   for (int i = 0; i < problem.data->size(); ++i)
     squares += problem.data->weight[i] * problem.data->value[i] * problem.data->value[i];
-  return rss <= 1e-28 * squares;
+  return rss <= 1e-25 * squares;
 }
 
 std::unique_ptr<ceres::LossFunction> ceres_loss(GrowthLoss loss, double scale) {
