@@ -279,7 +279,8 @@ std::optional<GrowthVector> set_limits(GrowthFit& fit, const GrowthProblem& prob
                                        const GrowthVector& natural, int degrees,
                                        const GrowthOptions& options) {
   const double quantile = student_t_two_sided(options.confidence, degrees);
-  fit.profiled = options.profile_intervals && options.loss == GrowthLoss::none && fit.rss > 0;
+  // Without scatter there is nothing to profile.
+  fit.profiled = options.profile_intervals && options.loss == GrowthLoss::none && fit.relative_offset > 0;
   for (int i = 0; i < problem.curve->size(); ++i) {
     GrowthParameter& parameter = fit.parameters[i];
     if (parameter.fixed) continue;
