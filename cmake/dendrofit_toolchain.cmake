@@ -7,7 +7,9 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 
 find_program(DENDROFIT_CCACHE ccache)
 if(DENDROFIT_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${DENDROFIT_CCACHE})
+  # Relative to the checkout, so that several checkouts (and CI's fresh clones) share the cache.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=true
+      ${DENDROFIT_CCACHE})
 endif()
 
 add_library(dendrofit_flags INTERFACE)
@@ -21,6 +23,10 @@ target_compile_options(dendrofit_flags INTERFACE -ffp-contract=off)
 install(TARGETS dendrofit_flags EXPORT dendrofitTargets)
 
 set(DENDROFIT_PRIVATE_OPTIONS -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  # GCC 12 sees overlapping copies in every "text" + std::string (its bug 105651).
+  list(APPEND DENDROFIT_PRIVATE_OPTIONS -Wno-restrict)
+endif()
 if(DENDROFIT_WERROR)
   list(APPEND DENDROFIT_PRIVATE_OPTIONS -Werror)
 endif()

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/atomic_file.h"
 
-#include <unistd.h>
+#include "core/errors.h"
 
 #include <cerrno>
 #include <cstring>
 #include <system_error>
 #include <utility>
 
-#include "core/errors.h"
+#include <unistd.h>
 
 namespace dendrofit {
 

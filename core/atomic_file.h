@@ -20,7 +20,8 @@ class AtomicFile {
   std::ostream& stream() { return stream_; }
   void commit();
 
-  /// For writers that want a file name of their own (an image library): the temporary path, not yet existing content.
+  /// For writers that want a file name of their own (an image library): the temporary path, not yet existing
+  /// content.
   const std::filesystem::path& temporary_path() const { return temporary_; }
 
  private:

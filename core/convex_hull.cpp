@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/convex_hull.h"
 
+#include <cmath>
+#include <iterator>
+
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/convex_hull_2.h>
 #include <CGAL/convex_hull_3.h>
-
 #include <Eigen/Geometry>
-#include <cmath>
-#include <iterator>
 
 namespace dendrofit {
 namespace {
@@ -28,7 +28,8 @@ PlanHull plan_hull(const std::vector<Vec3>& points) {
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const auto& a = hull[i];
     const auto& b = hull[(i + 1) % hull.size()];
-    result.area_m2 += 0.5 * ((a.x() - hull[0].x()) * (b.y() - hull[0].y()) - (b.x() - hull[0].x()) * (a.y() - hull[0].y()));
+    result.area_m2 +=
+        0.5 * ((a.x() - hull[0].x()) * (b.y() - hull[0].y()) - (b.x() - hull[0].x()) * (a.y() - hull[0].y()));
     result.perimeter_m += std::hypot(b.x() - a.x(), b.y() - a.y());
   }
   return result;

@@ -2,9 +2,9 @@
 // Convex hulls, for crown measures.
 #pragma once
 
-#include <vector>
-
 #include "core/types.h"
+
+#include <vector>
 
 namespace dendrofit {
 
@@ -14,7 +14,8 @@ struct PlanHull {
   double perimeter_m = 0;
 };
 
-/// Area and perimeter of the hull of the points' horizontal positions; zeros for fewer than three distinct points.
+/// Area and perimeter of the hull of the points' horizontal positions; zeros for fewer than three distinct
+/// points.
 PlanHull plan_hull(const std::vector<Vec3>& points);
 
 /// Volume (cubic metres) of the 3-D hull; 0 for fewer than four points or points in one plane.

@@ -7,8 +7,8 @@
 
 namespace dendrofit {
 
-/// An argument, option or content that cannot be right. The message names the field (or file, line, byte), what was
-/// found, what was expected and what to do. Exit code 3.
+/// An argument, option or content that cannot be right. The message names the field (or file, line, byte),
+/// what was found, what was expected and what to do. Exit code 3.
 struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -18,12 +18,14 @@ struct IoError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Sound input that gives no answer (too few points, no stem). The message says why in the field's words. Exit code 4.
+/// Sound input that gives no answer (too few points, no stem). The message says why in the field's words.
+/// Exit code 4.
 struct SolverError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The user asked to stop. Not an error: nothing derives from it and nothing but main catches it. Exit code 130.
+/// The user asked to stop. Not an error: nothing derives from it and nothing but main catches it. Exit code
+/// 130.
 struct Cancelled {};
 
 /// Throws InputError "field = value: limit" unless `holds`; the body of every options struct's validate().

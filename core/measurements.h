@@ -7,7 +7,8 @@
 
 namespace dendrofit {
 
-/// One tree's (plot's, pot's) measurements. Times and values have equal length, are finite, and come in file order.
+/// One tree's (plot's, pot's) measurements. Times and values have equal length, are finite, and come in file
+/// order.
 struct MeasurementSeries {
   std::string name;
   std::vector<double> time;

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/mesh.h"
 
-#include <Eigen/Geometry>
+#include "core/errors.h"
+#include "core/tree_topology.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
 
-#include "core/errors.h"
-#include "core/tree_topology.h"
+#include <Eigen/Geometry>
 
 namespace dendrofit {
 namespace {
@@ -70,7 +71,8 @@ void add_tube(const std::vector<Ring>& rings, int sides, TriangleMesh& mesh) {
 }  // namespace
 
 void TriangleMesh::append(const TriangleMesh& other) {
-  if (origin_shift != other.origin_shift) throw InputError("meshes to be joined have different origin shifts");
+  if (origin_shift != other.origin_shift)
+    throw InputError("meshes to be joined have different origin shifts");
   const auto offset = static_cast<std::uint32_t>(vertices.size());
   vertices.insert(vertices.end(), other.vertices.begin(), other.vertices.end());
   for (const auto& t : other.triangles) triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
@@ -99,9 +101,8 @@ TriangleMesh tree_mesh(const Tree& tree, const TreeMeshOptions& options) {
   for (const Axis& axis : axes_of(tree)) {
     if (axis.nodes.empty()) continue;
     const double radius = tree.radius[static_cast<std::size_t>(axis.nodes.front())];
-    const int sides =
-        std::clamp(static_cast<int>(std::lround(4 + 2.5 * std::log2(1 + radius / 0.005))), options.min_sides,
-                   options.max_sides);
+    const int sides = std::clamp(static_cast<int>(std::lround(4 + 2.5 * std::log2(1 + radius / 0.005))),
+                                 options.min_sides, options.max_sides);
     add_tube(rings_of(tree, axis), sides, mesh);
   }
   return mesh;

@@ -2,12 +2,12 @@
 // Triangle meshes, and the mesh of a tree's wood.
 #pragma once
 
+#include "core/tree.h"
+#include "core/types.h"
+
 #include <array>
 #include <cstdint>
 #include <vector>
-
-#include "core/tree.h"
-#include "core/types.h"
 
 namespace dendrofit {
 
@@ -24,13 +24,13 @@ struct TriangleMesh {
 };
 
 struct TreeMeshOptions {
-  int min_sides = 5;    ///< of the thinnest twigs
-  int max_sides = 24;   ///< of the thickest stem
+  int min_sides = 5;   ///< of the thinnest twigs
+  int max_sides = 24;  ///< of the thickest stem
   void validate() const;
 };
 
-/// The wood as closed tubes, one an axis: rings between neighbouring cylinders carry their mean radius, so that a
-/// stem looks smooth; both ends are capped.
+/// The wood as closed tubes, one an axis: rings between neighbouring cylinders carry their mean radius, so
+/// that a stem looks smooth; both ends are capped.
 TriangleMesh tree_mesh(const Tree& tree, const TreeMeshOptions& options = {});
 
 }  // namespace dendrofit

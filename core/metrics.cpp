@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/metrics.h"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "core/convex_hull.h"
 #include "core/errors.h"
 #include "core/tree_topology.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace dendrofit {
 namespace {
@@ -59,12 +59,14 @@ void add_wood(const Tree& tree, TreeMetrics& m) {
     m.total_length_m += tree.length(i);
     slot(m.length_by_order_m, order) += tree.length(i);
     slot(m.volume_by_order_m3, order) += volume;
-    slot(m.volume_by_diameter_class_m3, static_cast<std::size_t>(2 * tree.radius[i] / kDiameterClass)) += volume;
+    slot(m.volume_by_diameter_class_m3, static_cast<std::size_t>(2 * tree.radius[i] / kDiameterClass)) +=
+        volume;
   }
   m.total_volume_m3 = m.stem_volume_m3 + m.branch_volume_m3;
 }
 
-std::optional<double> crown_base(const std::vector<Axis>& axes, const Tree& tree, double foot, double height) {
+std::optional<double> crown_base(const std::vector<Axis>& axes, const Tree& tree, double foot,
+                                 double height) {
   std::optional<double> lowest;
   for (const double shortest : {kCrownBranchShareOfHeight * height, 0.0}) {
     for (const Axis& axis : axes) {

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <nanoflann.hpp>
 #include <utility>
+
+#include <nanoflann.hpp>
 
 namespace dendrofit {
 namespace {
@@ -19,8 +20,8 @@ struct Coordinates {
   }
 };
 
-using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Coordinates>, Coordinates, 3,
-                                                   std::uint32_t>;
+using KdTree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Coordinates>,
+                                                   Coordinates, 3, std::uint32_t>;
 
 // nanoflann 1.5 (Ubuntu 24.04) renamed what 1.4 (Debian 12) calls pair and SearchParams.
 #if NANOFLANN_VERSION >= 0x150
@@ -37,7 +38,8 @@ std::array<float, 3> single(const Vec3& p) {
 
 void sort_by_distance(std::vector<Neighbor>& out) {
   std::sort(out.begin(), out.end(), [](const Neighbor& a, const Neighbor& b) {
-    return a.distance_squared != b.distance_squared ? a.distance_squared < b.distance_squared : a.index < b.index;
+    return a.distance_squared != b.distance_squared ? a.distance_squared < b.distance_squared
+                                                    : a.index < b.index;
   });
 }
 
@@ -51,7 +53,8 @@ struct Neighbors::Index {
 Neighbors::Neighbors(const std::vector<Vec3>& points) : index_(std::make_unique<Index>()) {
   index_->coordinates.values.reserve(points.size());
   for (const Vec3& p : points) index_->coordinates.values.push_back(single(p));
-  index_->tree = std::make_unique<KdTree>(3, index_->coordinates, nanoflann::KDTreeSingleIndexAdaptorParams(16));
+  index_->tree =
+      std::make_unique<KdTree>(3, index_->coordinates, nanoflann::KDTreeSingleIndexAdaptorParams(16));
   if (!points.empty()) index_->tree->buildIndex();
 }
 
@@ -59,7 +62,9 @@ Neighbors::~Neighbors() = default;
 Neighbors::Neighbors(Neighbors&&) noexcept = default;
 Neighbors& Neighbors::operator=(Neighbors&&) noexcept = default;
 
-std::size_t Neighbors::size() const { return index_->coordinates.values.size(); }
+std::size_t Neighbors::size() const {
+  return index_->coordinates.values.size();
+}
 
 void Neighbors::nearest(const Vec3& query, std::size_t k, std::vector<Neighbor>& out) const {
   out.clear();

@@ -2,12 +2,12 @@
 // Nearest neighbours among points (k-d tree).
 #pragma once
 
+#include "core/types.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
-
-#include "core/types.h"
 
 namespace dendrofit {
 
@@ -16,8 +16,9 @@ struct Neighbor {
   double distance_squared = 0;  ///< metres squared
 };
 
-/// A k-d tree over a copy of the points' coordinates in single precision: give it local (shifted) coordinates.
-/// Queries are const and safe from several threads; equal distances are returned in rising index.
+/// A k-d tree over a copy of the points' coordinates in single precision: give it local (shifted)
+/// coordinates. Queries are const and safe from several threads; equal distances are returned in rising
+/// index.
 class Neighbors {
  public:
   explicit Neighbors(const std::vector<Vec3>& points);

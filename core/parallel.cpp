@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/parallel.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <thread>
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 namespace dendrofit {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/parameters.h"
 
+#include "core/errors.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <sstream>
-
-#include "core/errors.h"
 
 namespace dendrofit {
 namespace {
@@ -26,7 +26,9 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-std::string lead(std::string_view where) { return where.empty() ? std::string() : std::string(where) + ": "; }
+std::string lead(std::string_view where) {
+  return where.empty() ? std::string() : std::string(where) + ": ";
+}
 
 }  // namespace
 
@@ -43,7 +45,8 @@ ParameterSet::ParameterSet(std::span<const ParameterSpec> table) : table_(table)
 }
 
 bool ParameterSet::knows(std::string_view key) const {
-  return std::any_of(table_.begin(), table_.end(), [&](const ParameterSpec& spec) { return spec.key == key; });
+  return std::any_of(table_.begin(), table_.end(),
+                     [&](const ParameterSpec& spec) { return spec.key == key; });
 }
 
 std::size_t ParameterSet::row(std::string_view key, std::string_view where) const {
@@ -55,15 +58,17 @@ std::size_t ParameterSet::row(std::string_view key, std::string_view where) cons
                    nearest_word(key, known) + "'?");
 }
 
-double ParameterSet::get(std::string_view key) const { return values_[row(key, "")]; }
+double ParameterSet::get(std::string_view key) const {
+  return values_[row(key, "")];
+}
 
 void ParameterSet::set(std::string_view key, double value, std::string_view where) {
   const std::size_t i = row(key, where);
   const ParameterSpec& spec = table_[i];
   if (!std::isfinite(value) || value < spec.lo || value > spec.hi) {
     std::ostringstream message;
-    message << lead(where) << spec.key << " = " << value << ": must be a number between " << spec.lo << " and "
-            << spec.hi;
+    message << lead(where) << spec.key << " = " << value << ": must be a number between " << spec.lo
+            << " and " << spec.hi;
     if (!spec.unit.empty()) message << " " << spec.unit;
     throw InputError(message.str());
   }

@@ -11,14 +11,14 @@ namespace dendrofit {
 
 /// One row of a model's parameter table.
 struct ParameterSpec {
-  std::string_view key;      ///< in files and on the command line
-  std::string_view symbol;   ///< in the source's equations
-  std::string_view unit;     ///< "" for a pure number
+  std::string_view key;     ///< in files and on the command line
+  std::string_view symbol;  ///< in the source's equations
+  std::string_view unit;    ///< "" for a pure number
   double default_value = 0;
-  double lo = 0;             ///< inclusive
-  double hi = 0;             ///< inclusive
+  double lo = 0;  ///< inclusive
+  double hi = 0;  ///< inclusive
   std::string_view meaning;
-  std::string_view source;   ///< paper and equation, or why this value
+  std::string_view source;  ///< paper and equation, or why this value
 };
 
 /// Values for the rows of a table, in its order.
@@ -30,8 +30,8 @@ class ParameterSet {
   std::span<const double> values() const { return values_; }
   /// Throws InputError for an unknown key (naming the nearest known one).
   double get(std::string_view key) const;
-  /// Throws InputError for an unknown key, or a value that is not finite or outside the row's bounds; `where` (file
-  /// and line, or "--set") leads the message.
+  /// Throws InputError for an unknown key, or a value that is not finite or outside the row's bounds; `where`
+  /// (file and line, or "--set") leads the message.
   void set(std::string_view key, double value, std::string_view where = "");
   bool knows(std::string_view key) const;
 
@@ -41,7 +41,8 @@ class ParameterSet {
   std::vector<double> values_;
 };
 
-/// The candidate closest in spelling to `word` (edit distance), for "did you mean" messages; empty without candidates.
+/// The candidate closest in spelling to `word` (edit distance), for "did you mean" messages; empty without
+/// candidates.
 std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates);
 
 }  // namespace dendrofit

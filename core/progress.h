@@ -7,8 +7,8 @@
 
 namespace dendrofit {
 
-/// Verbs call begin / advance / end and, at least every tenth of a second, check(). Methods may be called from any
-/// thread. The base class reports to nobody and is never cancelled unless given a flag.
+/// Verbs call begin / advance / end and, at least every tenth of a second, check(). Methods may be called
+/// from any thread. The base class reports to nobody and is never cancelled unless given a flag.
 class Progress {
  public:
   explicit Progress(const std::atomic<bool>* cancel = nullptr) : cancel_(cancel) {}

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Counter-based random numbers. A draw depends on the seed and the keys alone, never on which thread asks first, so
-// the same seed gives the same bytes whatever the number of threads.
+// Counter-based random numbers. A draw depends on the seed and the keys alone, never on which thread asks
+// first, so the same seed gives the same bytes whatever the number of threads.
 #pragma once
+
+#include "core/types.h"
 
 #include <cstdint>
 #include <initializer_list>
-
-#include "core/types.h"
 
 namespace dendrofit {
 
@@ -15,8 +15,8 @@ namespace dendrofit {
 ///     Random tree = Random(seed).child({tree_id});
 ///     double u = tree.child({cycle, node}).uniform();   // same value wherever and whenever it is asked for
 ///
-/// Draw k of a stream is the SplitMix64 finaliser (Steele, Lea & Flood 2014) of key + k * golden ratio: a bijection
-/// of the counter, of period 2^64.
+/// Draw k of a stream is the SplitMix64 finaliser (Steele, Lea & Flood 2014) of key + k * golden ratio: a
+/// bijection of the counter, of period 2^64.
 class Random {
   __extension__ using Wide = unsigned __int128;
 

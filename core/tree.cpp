@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/tree.h"
 
+#include "core/errors.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
 
-#include "core/errors.h"
-
 namespace dendrofit {
 namespace {
 
-constexpr std::array<std::string_view, 4> kQualityWords = {"measured", "interpolated", "allometric", "extrapolated"};
+constexpr std::array<std::string_view, 4> kQualityWords = {"measured", "interpolated", "allometric",
+                                                           "extrapolated"};
 
 [[noreturn]] void broken(std::size_t node, const std::string& what) {
   throw InputError("tree node " + std::to_string(node + 1) + ": " + what);
@@ -20,7 +21,9 @@ constexpr std::array<std::string_view, 4> kQualityWords = {"measured", "interpol
 
 }  // namespace
 
-std::string_view to_string(RadiusQuality quality) { return kQualityWords[static_cast<std::size_t>(quality)]; }
+std::string_view to_string(RadiusQuality quality) {
+  return kQualityWords[static_cast<std::size_t>(quality)];
+}
 
 RadiusQuality radius_quality_from(std::string_view word) {
   const auto* found = std::find(kQualityWords.begin(), kQualityWords.end(), word);
@@ -60,7 +63,8 @@ std::int32_t Tree::add(const TreeNode& node) {
 }
 
 TreeNode Tree::node(std::size_t i) const {
-  return {start[i], end[i], parent[i], radius[i], axis[i], order[i], birth_cycle[i], quality[i], radius_se[i]};
+  return {start[i], end[i],         parent[i],  radius[i],   axis[i],
+          order[i], birth_cycle[i], quality[i], radius_se[i]};
 }
 
 Vec3 Tree::direction(std::size_t i) const {
@@ -69,7 +73,9 @@ Vec3 Tree::direction(std::size_t i) const {
   return norm > 0 ? Vec3(along / norm) : Vec3::UnitZ();
 }
 
-double Tree::volume(std::size_t i) const { return std::numbers::pi * radius[i] * radius[i] * length(i); }
+double Tree::volume(std::size_t i) const {
+  return std::numbers::pi * radius[i] * radius[i] * length(i);
+}
 
 void Tree::validate() const {
   const std::size_t n = size();

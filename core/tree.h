@@ -2,13 +2,13 @@
 // The one tree type: reconstruction and growth models make it; leaves, fit, metrics and files consume it.
 #pragma once
 
+#include "core/types.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string_view>
 #include <vector>
-
-#include "core/types.h"
 
 namespace dendrofit {
 
@@ -40,25 +40,27 @@ struct TreeNode {
 
 /// A tree, several stems or a whole stand, as flat arrays of equal length; copyable, without pointers.
 ///
-/// Node i is the distal end of cylinder i, which runs from start[i] to end[i] with one radius (volume equivalent).
-/// Where wood continues, start[i] == end[parent[i]]; a branch starts on its parent's surface, anywhere along it.
+/// Node i is the distal end of cylinder i, which runs from start[i] to end[i] with one radius (volume
+/// equivalent). Where wood continues, start[i] == end[parent[i]]; a branch starts on its parent's surface,
+/// anywhere along it.
 ///
-/// Invariants (validate() checks them): every coordinate finite; parent[i] < i, or -1 for a root; radius[i] > 0;
-/// length > 0; axis ids 0..axis_count-1, each an unbranched run of nodes in which a node's parent is the run's
-/// previous node; order 0 on axes that hold a root, and greater than the parent's order on every other axis.
+/// Invariants (validate() checks them): every coordinate finite; parent[i] < i, or -1 for a root; radius[i] >
+/// 0; length > 0; axis ids 0..axis_count-1, each an unbranched run of nodes in which a node's parent is the
+/// run's previous node; order 0 on axes that hold a root, and greater than the parent's order on every other
+/// axis.
 struct Tree {
   /// World position = origin_shift + local position; keeps georeferenced coordinates exact (metres).
   Vec3 origin_shift = Vec3::Zero();
 
-  std::vector<Vec3> start;                    ///< proximal end of the cylinder, metres, local
-  std::vector<Vec3> end;                      ///< distal end: the node, metres, local
-  std::vector<std::int32_t> parent;           ///< node index, -1 for a root
-  std::vector<double> radius;                 ///< metres
-  std::vector<std::int32_t> axis;             ///< axis (branch) id, from 0
-  std::vector<std::int32_t> order;            ///< 0 stem, 1 branch on the stem, ...
-  std::vector<std::int32_t> birth_cycle;      ///< growth cycle the node appeared in, -1 unknown
-  std::vector<RadiusQuality> quality;         ///< where the radius comes from
-  std::vector<double> radius_se;              ///< standard error of the radius, metres, NaN unknown
+  std::vector<Vec3> start;                ///< proximal end of the cylinder, metres, local
+  std::vector<Vec3> end;                  ///< distal end: the node, metres, local
+  std::vector<std::int32_t> parent;       ///< node index, -1 for a root
+  std::vector<double> radius;             ///< metres
+  std::vector<std::int32_t> axis;         ///< axis (branch) id, from 0
+  std::vector<std::int32_t> order;        ///< 0 stem, 1 branch on the stem, ...
+  std::vector<std::int32_t> birth_cycle;  ///< growth cycle the node appeared in, -1 unknown
+  std::vector<RadiusQuality> quality;     ///< where the radius comes from
+  std::vector<double> radius_se;          ///< standard error of the radius, metres, NaN unknown
 
   std::size_t size() const { return end.size(); }
   bool empty() const { return end.empty(); }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/tree_topology.h"
 
-#include <string>
-
 #include "core/errors.h"
+
+#include <string>
 
 namespace dendrofit {
 
@@ -15,7 +15,8 @@ TreeChildren::TreeChildren(const Tree& tree) : first_(tree.size() + 1, 0) {
   child_.resize(first_[n]);
   std::vector<std::size_t> fill(first_.begin(), first_.end() - 1);
   for (std::size_t i = 0; i < n; ++i)
-    if (tree.parent[i] >= 0) child_[fill[static_cast<std::size_t>(tree.parent[i])]++] = static_cast<std::int32_t>(i);
+    if (tree.parent[i] >= 0)
+      child_[fill[static_cast<std::size_t>(tree.parent[i])]++] = static_cast<std::int32_t>(i);
 }
 
 std::vector<Axis> axes_of(const Tree& tree) {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Views of a Tree's structure that its parent column implies: children, axes, and axes laid anew by thickness.
+// Views of a Tree's structure that its parent column implies: children, axes, and axes laid anew by
+// thickness.
 #pragma once
+
+#include "core/tree.h"
 
 #include <cstdint>
 #include <span>
 #include <vector>
-
-#include "core/tree.h"
 
 namespace dendrofit {
 
@@ -35,12 +36,13 @@ struct Axis {
 /// All axes, indexed by axis id.
 std::vector<Axis> axes_of(const Tree& tree);
 
-/// Sets `axis` and `order` anew: at each fork the thickest child continues the axis (ties: the child with more wood
-/// length beyond it, then the lower index); every other child starts an axis one order higher. This is how foresters
-/// count orders, and what makes a scanned and a simulated tree comparable.
+/// Sets `axis` and `order` anew: at each fork the thickest child continues the axis (ties: the child with
+/// more wood length beyond it, then the lower index); every other child starts an axis one order higher. This
+/// is how foresters count orders, and what makes a scanned and a simulated tree comparable.
 void assign_axes_by_thickness(Tree& tree);
 
-/// The part of `tree` on the nodes with keep[i] != 0. A dropped node's children must be dropped too (InputError else).
+/// The part of `tree` on the nodes with keep[i] != 0. A dropped node's children must be dropped too
+/// (InputError else).
 Tree subset(const Tree& tree, const std::vector<char>& keep);
 
 /// Wood length beyond the base of each node's cylinder, itself included (metres).

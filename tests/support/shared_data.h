@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Larger data that developers keep beside the checkout; tests that want it skip with a message where it is absent.
+// Larger data that developers keep beside the checkout; tests that want it skip with a message where it is
+// absent.
 #pragma once
 
 #include <cstdlib>

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dendrofit grow PARAMS.toml|PRESET -o DIR
+#include "cli/commands.h"
+#include "cli/igm_files.h"
+#include "cli/output_folder.h"
+#include "cli/parse.h"
+#include "cli/tree_files.h"
+#include "core/atomic_file.h"
+#include "core/errors.h"
+#include "forward/igm/grow.h"
+#include "io/metrics_json.h"
+#include "io/read_tree.h"
+#include "io/write_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace dendrofit::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Grow : public Command {
+ public:
+  void declare(OptionTable& options) override {
+    options.positional("PARAMS", parameters_, "Parameter file (TOML) or a preset's name (--list names them)",
+                       false);
+    options.path("--output", output_, "Folder for the results", "-o");
+    options.flag("--list", list_, "List the presets and stop");
+    options.texts("--set", settings_, "KEY=VALUE", "Change a parameter; may be given several times");
+    options.integer("--cycles", cycles_, "Growth cycles (default: the parameters' own)");
+    options.flag("--until-stop", until_stop_, "Grow until nothing sprouts any more");
+    options.path("--from", from_, "Go on from this tree (qsm.csv or any QSM format)");
+    options.integer("--from-cycle", from_cycle_, "The cycle that tree is at (default: from the tree)");
+    options.path("--site", site_, "Site file (TOML): obstacles and further trees");
+    options.texts("--mesh", meshes_, "obj|ply|glb",
+                  "Also write the tree as a mesh; may be given several times");
+    options.flag("--frames", frames_, "Also write the tree after every cycle (frames/cycle_NNN.csv)");
+  }
+
+  int run(Session& session) override {
+    if (list_) return list_presets(session);
+    if (parameters_.empty())
+      throw UsageError("grow: no parameter file or preset given; dendrofit grow --list names the presets");
+    check_mesh_formats(meshes_);
+    const IgmParameters parameters = resolve();
+    const IgmSite site = resolve_site(parameters);
+    const fs::path folder = prepare_output_folder(output_, session.common());
+
+    const IgmGrowth growth = grow_igm(parameters, site, resolve_options(session, folder), session.progress());
+    const TreeMetrics metrics = measure(growth.tree);
+    write_tree_files(folder, growth.tree, metrics, meshes_);
+    write_file(folder / "growth.csv", growth_series_csv(growth.series));
+    write_file(folder / "params.toml", igm_parameters_toml(parameters, {}));
+    write_file(folder / "run.toml", run_record(session, inputs()));
+    report(session, growth, metrics, folder);
+    return 0;
+  }
+
+ private:
+  static int list_presets(const Session& session) {
+    nlohmann::ordered_json names = nlohmann::ordered_json::array();
+    for (const IgmPreset& preset : igm_presets()) {
+      names.push_back({{"name", preset.name}, {"summary", preset.summary}});
+      session.say(fmt::format("{:<12}{}", preset.name, preset.summary));
+    }
+    session.json(nlohmann::ordered_json{{"presets", names}}.dump(2));
+    return 0;
+  }
+
+  IgmParameters resolve() const {
+    IgmParameters parameters = load_igm_parameters(parameters_.string());
+    apply_settings(parameters, settings_);
+    if (cycles_) parameters.set("cycles", *cycles_, "--cycles");
+    parameters.validate();
+    return parameters;
+  }
+
+  IgmSite resolve_site(const IgmParameters& parameters) const {
+    if (!site_.empty()) return load_site(site_, parameters);
+    IgmSite site;
+    const auto presets = igm_presets();
+    const auto preset = std::find_if(presets.begin(), presets.end(),
+                                     [&](const IgmPreset& p) { return p.name == parameters_.string(); });
+    if (preset == presets.end() || preset->roots == 1 || !from_.empty()) return site;
+    // A shrub: its stems stand in a ring, two internodes from one another.
+    IgmTreeSite shrub;
+    const double radius = parameters.rho_m * preset->roots / std::numbers::pi;
+    for (int i = 0; i < preset->roots; ++i) {
+      const double angle = 2 * std::numbers::pi * i / preset->roots;
+      shrub.roots.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0.0);
+    }
+    site.trees.push_back(shrub);
+    return site;
+  }
+
+  IgmOptions resolve_options(const Session& session, const fs::path& folder) const {
+    IgmOptions options;
+    options.seed = session.common().seed;
+    options.until_stop = until_stop_;
+    options.start_cycle = from_cycle_;
+    if (!from_.empty()) options.start = read_tree(from_);
+    if (frames_) {
+      fs::create_directories(folder / "frames");
+      options.on_cycle = [folder](int cycle, const Tree& tree) {
+        write_qsm_csv(folder / "frames" / fmt::format("cycle_{:03}.csv", cycle), tree);
+      };
+    }
+    return options;
+  }
+
+  std::vector<fs::path> inputs() const {
+    std::vector<fs::path> files;
+    for (const fs::path& file : {parameters_, from_, site_})
+      if (!file.empty() && fs::is_regular_file(file)) files.push_back(file);
+    return files;
+  }
+
+  static void report(const Session& session, const IgmGrowth& growth, const TreeMetrics& metrics,
+                     const fs::path& folder) {
+    session.json(nlohmann::ordered_json{{"output", folder.string()},
+                                        {"last_cycle", growth.last_cycle},
+                                        {"stop_reason", growth.stop_reason},
+                                        {"cylinders", growth.tree.size()},
+                                        {"metrics", nlohmann::ordered_json::parse(metrics_to_json(metrics))}}
+                     .dump(2));
+    session.say(fmt::format("Grown to cycle {}: {}.", growth.last_cycle, growth.stop_reason));
+    say_metrics(session, growth.tree, metrics);
+    session.say("Written to " + folder.string() + ": qsm.csv, metrics.json, growth.csv, params.toml");
+  }
+
+  fs::path parameters_, output_, from_, site_;
+  std::vector<std::string> settings_, meshes_;
+  std::optional<int> cycles_, from_cycle_;
+  bool list_ = false, until_stop_ = false, frames_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_grow() {
+  return std::make_unique<Grow>();
+}
+
+}  // namespace dendrofit::cli

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dendrofit leaves QSM -o DIR
+#include "cli/commands.h"
+#include "cli/leaf_settings.h"
+#include "cli/leaves_output.h"
+#include "cli/output_folder.h"
+#include "cli/parse.h"
+#include "cli/tree_files.h"
+#include "core/atomic_file.h"
+#include "io/read_cloud.h"
+#include "io/read_tree.h"
+
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace dendrofit::cli {
+namespace {
+
+class Leaves : public Command {
+ public:
+  void declare(OptionTable& options) override {
+    options.positional("QSM", tree_, "Tree model: our qsm.csv or any QSM format");
+    options.path("--output", output_, "Folder for the results", "-o");
+    settings_.declare(options);
+    options.path("--measured", measured_, "Leaf points of a leaf-on scan: leaves go where these are");
+    options.texts("--mesh", meshes_, "obj|ply|glb",
+                  "Mesh formats of the leaves (default obj and glb); may be repeated");
+  }
+
+  int run(Session& session) override {
+    check_mesh_formats(meshes_);
+    LeafOptions options = settings_.resolve(session.common());
+    const Tree tree = read_tree(tree_);
+    std::vector<std::filesystem::path> inputs = {tree_};
+    if (!measured_.empty()) {
+      options.measured = read_point_cloud(measured_, {}, session.progress());
+      inputs.push_back(measured_);
+    }
+    const auto folder = prepare_output_folder(output_, session.common());
+    const LeafResult result = insert_leaves(tree, options, session.progress());
+
+    const std::string json = leaves_json(result);
+    write_leaf_files(folder, result.foliage, json,
+                     meshes_.empty() ? std::vector<std::string>{"obj", "glb"} : meshes_);
+    write_file(folder / "run.toml", run_record(session, inputs));
+    session.json(json);
+    say_leaves(session, result);
+    session.say("Written to " + folder.string() + ": leaves.csv, leaves.json and meshes");
+    return 0;
+  }
+
+ private:
+  std::filesystem::path tree_, output_, measured_;
+  LeafSettings settings_;
+  std::vector<std::string> meshes_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_leaves() {
+  return std::make_unique<Leaves>();
+}
+
+}  // namespace dendrofit::cli

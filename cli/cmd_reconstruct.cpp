@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dendrofit reconstruct SCAN -o DIR
+#include "cli/commands.h"
+#include "cli/output_folder.h"
+#include "cli/reconstruct_settings.h"
+#include "cli/tree_files.h"
+#include "core/atomic_file.h"
+#include "io/metrics_json.h"
+
+#include <nlohmann/json.hpp>
+
+namespace dendrofit::cli {
+namespace {
+
+class Reconstruct : public Command {
+ public:
+  void declare(OptionTable& options) override {
+    options.positional("SCAN", scan_,
+                       "Point cloud of one tree: .las .laz .ply .pcd .xyz .txt .csv .pts .asc");
+    options.path("--output", output_, "Folder for the results", "-o");
+    settings_.declare(options);
+    options.texts("--mesh", meshes_, "obj|ply|glb",
+                  "Also write the wood as a mesh; may be given several times");
+  }
+
+  int run(Session& session) override {
+    check_mesh_formats(meshes_);
+    const ReconstructOptions options = settings_.resolve(session.common());
+    const PointCloud scan = settings_.read_scan(session, scan_, session.progress());
+    const auto folder = prepare_output_folder(output_, session.common());
+    const Reconstruction result = reconstruct(scan, options, session.progress());
+    write_reconstruction(folder, result, meshes_);
+    write_file(folder / "run.toml", run_record(session, {scan_}));
+
+    auto json = nlohmann::ordered_json::parse(reconstruction_json(result));
+    json["output"] = folder.string();
+    json["cylinders"] = result.tree.size();
+    json["metrics"] = nlohmann::ordered_json::parse(metrics_to_json(result.metrics));
+    session.json(json.dump(2));
+    say_reconstruction(session, result);
+    session.say("Written to " + folder.string() + ": qsm.csv, metrics.json, reconstruction.json");
+    return 0;
+  }
+
+ private:
+  std::filesystem::path scan_, output_;
+  ReconstructSettings settings_;
+  std::vector<std::string> meshes_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_reconstruct() {
+  return std::make_unique<Reconstruct>();
+}
+
+}  // namespace dendrofit::cli

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The options of a growth-model fit, and its files: shared by `fit` and `run`.
+#pragma once
+
+#include "cli/command.h"
+#include "fit/fit_tree.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace dendrofit::cli {
+
+struct FitSettings {
+  std::string budget = "500";
+  std::optional<double> age_years;
+  std::optional<double> internode_length_m;
+  std::string equation = "logistic";
+
+  void declare(OptionTable& options);
+  /// --budget is a number of parameter sets ("500") or a time ("8min"). Throws UsageError for neither.
+  FitOptions resolve(const CommonOptions& common) const;
+};
+
+/// fit.json's content.
+std::string fit_json(const TreeFit& fit);
+
+/// fit.json and params.toml.
+void write_fit(const std::filesystem::path& folder, const TreeFit& fit);
+
+void say_fit(const Session& session, const TreeFit& fit);
+
+}  // namespace dendrofit::cli

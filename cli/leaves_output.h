@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// leaves.json: what was asked of the leaves and what came of it.
+#pragma once
+
+#include "forward/leaves/insert_leaves.h"
+
+#include <string>
+
+namespace dendrofit::cli {
+
+/// The report as a JSON object (two spaces a level). Areas one-sided, in square metres; heights above the
+/// foot.
+std::string leaves_json(const LeafResult& result);
+
+}  // namespace dendrofit::cli

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/reconstruct_settings.h"
+
+#include "cli/commands.h"
+#include "cli/parse.h"
+#include "cli/tree_files.h"
+#include "core/atomic_file.h"
+#include "io/write_cloud.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace dendrofit::cli {
+
+using Json = nlohmann::ordered_json;
+
+void ReconstructSettings::declare(OptionTable& table) {
+  table.number("--voxel", options.voxel_size_m, Quantity::length,
+               "Points closer together than this are merged");
+  table.number("--max-gap", options.max_gap_m, Quantity::length,
+               "Widest gap in the scan that wood is believed to cross");
+  table.number("--twig-diameter", options.twig_diameter_m, Quantity::length,
+               "Diameter of the species' twig ends, where known");
+  table.number("--dbh-height", options.dbh_height_m, Quantity::length,
+               "Height above the foot of the stem diameter");
+  table.text("--columns", columns, "LIST",
+             "Columns of a text cloud, e.g. x,y,z,intensity ('-' skips one; default: detected)");
+  table.text("--delimiter", delimiter, "CHAR", "Between the fields of a text cloud (default: detected)");
+}
+
+PointCloud ReconstructSettings::read_scan(const Session& session, const std::filesystem::path& file,
+                                          Progress& progress) const {
+  ReadCloudOptions read;
+  if (!columns.empty()) read.columns = columns;
+  if (!delimiter.empty()) {
+    if (delimiter.size() != 1 && delimiter != "tab")
+      throw UsageError("--delimiter " + delimiter + ": expected one character, or tab");
+    read.delimiter = delimiter == "tab" ? '\t' : delimiter.front();
+  }
+  PointCloud cloud = read_point_cloud(file, read, progress);
+  session.say(fmt::format("{}: {} points", file.string(), cloud.size()));
+  return cloud;
+}
+
+ReconstructOptions ReconstructSettings::resolve(const CommonOptions& common) const {
+  ReconstructOptions resolved = options;
+  resolved.seed = common.seed;
+  resolved.threads = common.threads;
+  resolved.validate();
+  return resolved;
+}
+
+std::string reconstruction_json(const Reconstruction& r) {
+  const Json json = {{"foot", {r.foot.x(), r.foot.y(), r.foot.z()}},
+                     {"ground_found", r.ground_found},
+                     {"wood_share", r.wood_share},
+                     {"noise_m", r.noise_m},
+                     {"point_spacing_m", r.spacing_m},
+                     {"points",
+                      {{"read", r.raw_points},
+                       {"after_merging", r.clean_points},
+                       {"ground", r.ground_points},
+                       {"stray", r.stray_points},
+                       {"tree", r.tree_points},
+                       {"leaf", r.leaf_points.size()}}},
+                     {"bridged_gaps", r.bridged_gaps},
+                     {"warnings", r.warnings}};
+  return json.dump(2) + "\n";
+}
+
+void write_reconstruction(const std::filesystem::path& folder, const Reconstruction& result,
+                          const std::vector<std::string>& mesh_formats) {
+  write_tree_files(folder, result.tree, result.metrics, mesh_formats);
+  write_file(folder / "reconstruction.json", reconstruction_json(result));
+  if (!result.leaf_points.empty()) write_point_cloud(folder / "leaf_points.ply", result.leaf_points);
+}
+
+void say_reconstruction(const Session& session, const Reconstruction& result) {
+  session.say("Tree model");
+  say_metrics(session, result.tree, result.metrics);
+  if (result.wood_share < 0.999)
+    session.say(fmt::format("  wood share  {:.0f} % of the points", 100 * result.wood_share));
+  for (const std::string& warning : result.warnings) session.warn(warning);
+}
+
+}  // namespace dendrofit::cli

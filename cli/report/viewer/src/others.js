@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The scan's points, the leaves, the ground.
+import {
+  BufferAttribute, BufferGeometry, Color, GridHelper, Group, InstancedMesh, Matrix4, Mesh,
+  MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, Points, ShaderMaterial, Vector3,
+} from 'three';
+import { place } from './data.js';
+
+/// Quantised positions go to the graphics card as they are; the object's scale turns steps into metres.
+export function scanPoints(set, colour, height) {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(set.data, 3));
+  const material = new ShaderMaterial({
+    uniforms: { tint: { value: new Color(colour) }, size: { value: 0.012 }, pixels: { value: 800 }, top: { value: Math.max(height, 0.1) } },
+    vertexShader: `
+      uniform float size; uniform float pixels; uniform float top; varying float light;
+      void main() {
+        vec4 world = modelMatrix * vec4(position, 1.0);
+        vec4 seen = viewMatrix * world;
+        gl_Position = projectionMatrix * seen;
+        gl_PointSize = clamp(size * pixels * projectionMatrix[1][1] / max(0.01, -seen.z), 1.0, 12.0);
+        light = 0.62 + 0.5 * clamp(world.z / top, 0.0, 1.0);
+      }`,
+    fragmentShader: `
+      uniform vec3 tint; varying float light;
+      void main() {
+        if (length(gl_PointCoord - 0.5) > 0.5) discard;
+        gl_FragColor = vec4(tint * light, 1.0);
+        #include <colorspace_fragment>
+      }`,
+  });
+  const points = new Points(geometry, material);
+  points.position.fromArray(set.lo);
+  points.scale.fromArray(set.step);
+  points.frustumCulled = false;
+  return points;
+}
+
+function leafGeometry(shape) {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(new Float32Array(shape.vertices), 3));
+  geometry.setIndex(shape.triangles);
+  geometry.computeVertexNormals();
+  return geometry;
+}
+
+export function leafMeshes(data, colour) {
+  const group = new Group();
+  const at = [0, 0, 0];
+  const direction = new Vector3();
+  const normal = new Vector3();
+  const across = new Vector3();
+  const matrix = new Matrix4();
+  const tints = [0.88, 1.0, 1.12].map((f) => new Color(colour).multiplyScalar(f));
+  data.shapes.forEach((shape, kind) => {
+    const members = [];
+    for (let k = 0; k < data.shape.length; ++k) if (data.shape[k] === kind) members.push(k);
+    if (!members.length) return;
+    const mesh = new InstancedMesh(leafGeometry(shape), new MeshLambertMaterial({ side: 2 }), members.length);
+    members.forEach((k, i) => {
+      direction.fromArray(data.frame, 6 * k).normalize();
+      normal.fromArray(data.frame, 6 * k + 3);
+      across.crossVectors(direction, normal).normalize();
+      normal.crossVectors(across, direction);
+      const length = data.length[k];
+      place(data.origins, k, at);
+      matrix.makeBasis(across, direction, normal).scale(new Vector3(length, length, length)).setPosition(at[0], at[1], at[2]);
+      mesh.setMatrixAt(i, matrix);
+      mesh.setColorAt(i, tints[(k * 7) % 3]);
+    });
+    mesh.frustumCulled = false;
+    group.add(mesh);
+  });
+  return group;
+}
+
+/// A pale floor with a grid whose cells are a metre (or a round part or multiple of it).
+export function ground(reach) {
+  const group = new Group();
+  const cell = 10 ** Math.round(Math.log10(reach / 6));
+  const lines = 2 * Math.max(1, Math.ceil(reach / cell));
+  const plane = new Mesh(new PlaneGeometry(lines * cell, lines * cell), new MeshBasicMaterial({ color: '#e2e3d8' }));
+  const grid = new GridHelper(lines * cell, lines, '#b4b7a8', '#cfd1c5');
+  grid.rotation.x = Math.PI / 2;
+  grid.position.z = 0.0005 * reach;
+  plane.position.z = -0.0005 * reach;
+  group.add(plane, grid);
+  return group;
+}

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/run_report.h"
+
+#include "cli/output_folder.h"
+#include "cli/report/render.h"
+#include "cli/report/report.h"
+#include "cli/version.h"
+#include "core/atomic_file.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace dendrofit::cli {
+namespace {
+
+std::vector<ReportParameter> parameters_of(const TreeFit& fit) {
+  const std::vector<ParameterSpec> table = igm_parameter_table(fit.best.equation);
+  std::vector<ReportParameter> rows;
+  for (const ParameterSpec& spec : table) {
+    ReportParameter row;
+    row.key = spec.key;
+    row.symbol = spec.symbol;
+    row.unit = spec.unit;
+    row.meaning = spec.meaning;
+    row.value = fit.best.get(spec.key);
+    const auto fitted = std::find_if(fit.parameters.begin(), fit.parameters.end(),
+                                     [&](const FittedParameter& p) { return p.key == spec.key; });
+    row.fixed = fitted == fit.parameters.end();
+    if (!row.fixed) {
+      row.lo = fitted->lo;
+      row.hi = fitted->hi;
+      row.prior_lo = fitted->prior_lo;
+      row.prior_hi = fitted->prior_hi;
+      row.identifiable = fitted->identifiable;
+    }
+    rows.push_back(std::move(row));
+  }
+  // What was fitted first, in the order of the search.
+  std::stable_partition(rows.begin(), rows.end(), [](const ReportParameter& r) { return !r.fixed; });
+  return rows;
+}
+
+std::vector<ReportCurve> curves_of(const RunResults& r) {
+  ReportCurve height;
+  height.name = "height";
+  ReportCurve diameter;
+  diameter.name = "diameter at breast height";
+  diameter.value_unit = "cm";
+  for (const GrowthRecord& record : r.regrown.series) {
+    height.time.push_back(record.cycle);
+    height.value.push_back(record.height_m);
+    height.cap.push_back(record.cycle > 0 ? r.fit.best.cap(record.cycle) * r.fit.best.rho_m : 0.0);
+    if (!record.dbh_m) continue;
+    diameter.time.push_back(record.cycle);
+    diameter.value.push_back(100 * *record.dbh_m);
+  }
+  const double now = r.regrown.series.empty() ? 0 : r.regrown.series.back().cycle;
+  height.measured = {{now, r.model.metrics.height_m}};
+  if (r.model.metrics.dbh_m) diameter.measured = {{now, 100 * *r.model.metrics.dbh_m}};
+  std::vector<ReportCurve> curves = {height};
+  if (!diameter.time.empty()) curves.push_back(diameter);
+  return curves;
+}
+
+std::vector<ReportDescriptor> descriptors_of(const TreeFit& fit) {
+  std::vector<ReportDescriptor> rows;
+  for (const DescriptorFit& d : fit.descriptors)
+    rows.push_back(
+        {d.name, std::abs(d.before - d.observed) / d.noise, std::abs(d.after - d.observed) / d.noise});
+  return rows;
+}
+
+std::vector<std::pair<std::string, std::string>> leaf_facts(const LeafReport& leaves) {
+  return {{"Leaves", fmt::format("{}", leaves.achieved_count)},
+          {"Leaf area (one-sided)", fmt::format("{:.4g} m2 of {:.4g} m2 asked for", leaves.achieved_area_m2,
+                                                leaves.requested_area_m2)},
+          {"LAI over the crown projection", fmt::format("{:.2f}", leaves.lai)},
+          {"Intersections", "none: every pair closer than its reach was tested"}};
+}
+
+ReportProvenance provenance_of(const RunResults& r) {
+  ReportProvenance p;
+  p.version = version();
+  p.seed = r.session.common().seed;
+  p.command_line = fmt::format("dendrofit {} {}", r.session.command(), r.scan_file.filename().string());
+  p.input_name = r.scan_file.filename().string();
+  p.input_checksum = "crc32:" + checksum(r.scan_file);
+  for (const OptionSpec& option : r.session.options().all())
+    if (!option.positional && !option.current().empty())
+      p.options.emplace_back(option.name, option.current());
+  for (const auto& [stage, seconds] : r.watch.laps()) p.stages.push_back({stage, seconds});
+  return p;
+}
+
+}  // namespace
+
+void write_run_report(const std::filesystem::path& folder, const RunResults& r) {
+  Progress& progress = r.session.progress();
+  RenderOptions picture;
+  picture.threads = r.session.common().threads;
+  const SideBySide content{&r.scan, &r.model.tree, &r.regrown.tree, &r.leaves.foliage, false};
+  const std::string png = encode_png(side_by_side(content, picture, progress));
+  write_file(folder / "side_by_side.png", png);
+  r.watch.lap("picture");
+
+  ReportData data;
+  data.title = r.scan_file.stem().string();
+  data.scan = &r.scan;
+  data.model = &r.model.tree;
+  data.regrown = &r.regrown.tree;
+  data.foliage = &r.leaves.foliage;
+  data.model_metrics = &r.model.metrics;
+  data.regrown_metrics = &r.regrown_metrics;
+  data.growth_model = fmt::format("IGM (Yi et al. 2018), {} equation", r.fit.best.equation);
+  data.fit_status = fmt::format(
+      "{} parameter sets tried; {}. Distance of the regrown trees from the scanned one: {:.2f} "
+      "before, {:.2f} after the fit; trees of one parameter set differ by {:.2f}.",
+      r.fit.evaluations, r.fit.stop_reason, r.fit.cost_before, r.fit.cost_after, r.fit.seed_floor);
+  data.parameters = parameters_of(r.fit);
+  data.curves = curves_of(r);
+  data.descriptors = descriptors_of(r.fit);
+  for (std::size_t i = 0; i < r.fit.cost_history.size(); ++i)
+    data.cost_by_evaluation.emplace_back(static_cast<double>(i + 1), r.fit.cost_history[i]);
+  data.leaf_facts = leaf_facts(r.leaves.report);
+  for (const auto* list : {&r.model.warnings, &r.fit.warnings, &r.leaves.report.warnings})
+    data.warnings.insert(data.warnings.end(), list->begin(), list->end());
+  data.side_by_side_png = png;
+  data.provenance = provenance_of(r);
+  write_file(folder / "report.html", make_report(data, {}, progress));
+}
+
+}  // namespace dendrofit::cli

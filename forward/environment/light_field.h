@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The light every node takes from the voxels below it (Yi 2018, 4.5 and Fig. 10): an inverted square pyramid
+// of 20 layers, then a column of the same 41 x 41 base down to the ground, b^-q at q layers below.
+//
+// The field is kept as one 2-D difference array a layer: a node adds four corners a layer (about 150
+// additions where the voxels themselves would be 40,000), and reading integrates each layer once. Sums are in
+// fixed point (2^-40), so the result does not depend on the order of anything, equals voxel by voxel addition
+// to the last bit, and removal is exact. Weights below half a unit (q > 47 for b = 1.8) are 0: columns are
+// complete.
+#pragma once
+
+#include "forward/environment/voxels.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace dendrofit {
+
+constexpr int kPyramidLayers = 20;
+
+/// b^-q in fixed point for q = 0, 1, ... until it vanishes.
+class ShadeProfile {
+ public:
+  /// b > 1.
+  explicit ShadeProfile(double b);
+  int layers() const { return static_cast<int>(weight_.size()) - 1; }
+  /// The weights as an array of layers() + 1, the last one 0.
+  const Fixed* padded() const { return weight_.data(); }
+  Fixed operator[](int q) const { return weight_[static_cast<std::size_t>(q)]; }
+  /// Shade of a node at a voxel dx, dy away and q layers below it.
+  Fixed at(int dx, int dy, int q) const {
+    if (q < 0 || q >= layers()) return 0;
+    const int half = q < kPyramidLayers ? q : kPyramidLayers;
+    return (dx <= half && -dx <= half && dy <= half && -dy <= half) ? weight_[static_cast<std::size_t>(q)]
+                                                                    : 0;
+  }
+
+ private:
+  std::vector<Fixed> weight_;  // ends with a 0
+};
+
+class LightField {
+ public:
+  /// Throws InputError when the field would take more than this (trees too far apart for one field).
+  explicit LightField(double max_gib = 16) : max_gib_(max_gib) {}
+
+  /// Casts (sign +1) or takes back (-1) the shadows of nodes. Layers below 0 are the ground and get none.
+  void cast(std::span<const Voxel> nodes, const ShadeProfile& profile, int sign = 1);
+  /// Adds shade to one voxel alone.
+  void darken(const Voxel& voxel, Fixed amount);
+  /// Shade at each voxel, at any place; voxels outside everything cast have 0.
+  void read(std::span<const Voxel> at, std::span<Fixed> shade) const;
+
+  double memory_gib() const;
+
+ private:
+  struct Layer {
+    std::int32_t x0 = 0, y0 = 0, nx = 0, ny = 0;  // of the array
+    std::int32_t used_x0 = 0, used_y0 = 0;        // nothing but 0 before these
+    std::vector<Fixed> difference;                // row after row along x
+  };
+  struct Rect {
+    std::int32_t x0, y0, x1, y1;  // inclusive, empty while x0 > x1
+  };
+  void cover(std::size_t layer, const Rect& rect);
+
+  std::vector<Layer> layers_;
+  double max_gib_;
+};
+
+}  // namespace dendrofit

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The LAS header and point record (ASPRS LAS 1.2 to 1.4, R15), shared by the readers of LAS and LAZ and the
+// writer.
+#pragma once
+
+#include "core/point_cloud.h"
+#include "core/progress.h"
+#include "io/file_bytes.h"
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace dendrofit {
+
+struct LasHeader {
+  int major = 1;
+  int minor = 2;
+  int point_format = 0;  ///< 0 to 10
+  bool compressed = false;
+  std::uint32_t record_length = 0;
+  std::uint64_t points_offset = 0;
+  std::uint64_t point_count = 0;
+  double scale[3] = {};
+  double offset[3] = {};
+  std::string crs_wkt;  ///< WKT as stated, or "EPSG:n" from GeoTIFF keys
+  std::string software;
+  std::uint32_t chunk_points =
+      0;  ///< of compressed points: points a chunk, 2^32 - 1 where it varies; 0 without its record
+};
+
+/// Smallest record of each point format.
+std::uint32_t las_record_length(int point_format);
+
+/// Reads and checks the header and the variable length records; does not look at the points. Throws IoError.
+LasHeader read_las_header(const FileBytes& bytes);
+
+/// Decodes records, in as many pieces as they come, into a cloud in world coordinates.
+class LasDecoder {
+ public:
+  LasDecoder(const LasHeader& header, Progress& progress);
+  /// `count` records of header.record_length bytes, one after another.
+  void append(const char* records, std::uint64_t count);
+  /// One point by its fields.
+  void append(std::int32_t x, std::int32_t y, std::int32_t z, std::uint16_t intensity,
+              std::uint8_t classification);
+  std::uint64_t count() const { return cloud_.points.size(); }
+  PointCloud take() { return std::move(cloud_); }
+
+ private:
+  const LasHeader& header_;
+  Progress& progress_;
+  PointCloud cloud_;
+};
+
+}  // namespace dendrofit

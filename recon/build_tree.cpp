@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "recon/build_tree.h"
+
+#include "core/tree_topology.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dendrofit {
+namespace {
+
+constexpr double kShortest = 1e-4;
+
+double cylinder_length(double radius) {
+  return std::clamp(3 * radius, 0.04, 0.15);
+}
+
+/// The cylinder of `cylinders` whose axis passes nearest to `point`.
+std::int32_t nearest_cylinder(const Tree& tree, const std::vector<std::int32_t>& cylinders,
+                              const Vec3& point) {
+  std::int32_t best = cylinders.front();
+  double least = 1e300;
+  for (const std::int32_t c : cylinders) {
+    const auto i = static_cast<std::size_t>(c);
+    const Vec3 run = tree.end[i] - tree.start[i];
+    const double t = std::clamp((point - tree.start[i]).dot(run) / run.squaredNorm(), 0.0, 1.0);
+    const double d = (tree.start[i] + t * run - point).squaredNorm();
+    if (d < least) {
+      least = d;
+      best = c;
+    }
+  }
+  return best;
+}
+
+/// Where a branch that begins at `first` comes out of the cylinder: on its surface towards `first`.
+Vec3 leave_surface(const Tree& tree, std::size_t i, const Vec3& first) {
+  const Vec3 run = tree.end[i] - tree.start[i];
+  const double t = std::clamp((first - tree.start[i]).dot(run) / run.squaredNorm(), 0.0, 1.0);
+  const Vec3 axis = tree.start[i] + t * run;
+  const Vec3 out = first - axis;
+  const double distance = out.norm();
+  return distance <= tree.radius[i] ? first : Vec3(axis + out * (tree.radius[i] / distance));
+}
+
+}  // namespace
+
+Tree build_tree(const std::vector<Limb>& limbs, const std::vector<Foot>& feet, const Vec3& origin_shift) {
+  Tree tree;
+  tree.origin_shift = origin_shift;
+  std::vector<std::vector<std::vector<std::int32_t>>> cylinder_at(limbs.size());  // by limb, by node
+  std::size_t root = 0;
+  for (std::size_t l = 0; l < limbs.size(); ++l) {
+    const Limb& limb = limbs[l];
+    cylinder_at[l].assign(limb.nodes.size(), {});
+    std::int32_t parent = -1;
+    Vec3 from = limb.nodes.front().centre;
+    std::size_t next = 1;
+    if (limb.parent < 0) {
+      if (root < feet.size()) from = feet[root].position;
+      ++root;
+      next = 0;
+    } else {
+      const auto& bearer = cylinder_at[static_cast<std::size_t>(limb.parent)];
+      // Cylinders about the bearing node.
+      std::vector<std::int32_t> near;
+      const auto at = static_cast<std::size_t>(limb.parent_node);
+      for (std::size_t k = at > 0 ? at - 1 : 0; k < std::min(bearer.size(), at + 3); ++k)
+        near.insert(near.end(), bearer[k].begin(), bearer[k].end());
+      for (std::size_t k = at; near.empty() && k-- > 0;) near = bearer[k];
+      for (std::size_t k = at; near.empty() && k < bearer.size(); ++k) near = bearer[k];
+      if (near.empty()) continue;
+      parent = nearest_cylinder(tree, near, from);
+      from = leave_surface(tree, static_cast<std::size_t>(parent), limb.nodes.front().centre);
+      next = 0;
+    }
+    // Walk the nodes, closing a cylinder when it is long enough or the line ends.
+    std::size_t first_node = next;
+    for (std::size_t i = next; i < limb.nodes.size(); ++i) {
+      const double length = (limb.nodes[i].centre - from).norm();
+      const bool last = i + 1 == limb.nodes.size();
+      const bool gap_next = !last && limb.nodes[i + 1].after_gap;
+      const bool long_enough = length >= cylinder_length(limb.nodes[i].radius_m) ||
+                               (gap_next && length > kShortest) ||
+                               (limb.nodes[i].after_gap && length > kShortest);
+      if (!last && !long_enough) continue;
+      if (length < kShortest) continue;
+      TreeNode node;
+      node.start = from;
+      node.end = limb.nodes[i].centre;
+      node.parent = parent;
+      double square = 0, se = 0, count = 0;
+      RadiusQuality quality = RadiusQuality::measured;
+      for (std::size_t k = first_node; k <= i; ++k) {
+        square += limb.nodes[k].radius_m * limb.nodes[k].radius_m;
+        se += limb.nodes[k].radius_se_m;
+        count += 1;
+        quality = std::max(quality, limb.nodes[k].quality);
+      }
+      node.radius = std::sqrt(square / count);
+      node.radius_se = se / count;
+      node.quality = limb.nodes[i].after_gap && quality == RadiusQuality::measured
+                         ? RadiusQuality::interpolated
+                         : quality;
+      parent = tree.add(node);
+      for (std::size_t k = first_node; k <= i; ++k) cylinder_at[l][k].push_back(parent);
+      from = limb.nodes[i].centre;
+      first_node = i + 1;
+    }
+  }
+  assign_axes_by_thickness(tree);
+  return tree;
+}
+
+}  // namespace dendrofit

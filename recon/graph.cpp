@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "recon/graph.h"
+
+#include "core/errors.h"
+#include "core/neighbors.h"
+#include "core/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+
+namespace dendrofit {
+namespace {
+
+constexpr float kSparsest = 2.0f;      // in usual spacings
+constexpr double kLinkSpacings = 3.0;  // a longer link would leap over a gap: bridge_gaps() judges those
+
+}  // namespace
+
+double step_cost(double length_m, double spacing_m) {
+  return length_m * (1 + length_m / std::max(1e-6, spacing_m));
+}
+
+void GraphOptions::validate() const {
+  require(neighbors >= 4 && neighbors <= 64, "neighbors", neighbors, "must lie between 4 and 64");
+  require(std::isfinite(max_gap_m) && max_gap_m >= 0 && max_gap_m <= 20, "max_gap_m", max_gap_m,
+          "must lie between 0 and 20 m");
+  require(threads >= 0, "threads", threads, "must not be negative");
+}
+
+PointGraph neighbor_graph(const std::vector<Vec3>& points, const GraphOptions& options, Progress& progress) {
+  options.validate();
+  PointGraph graph;
+  const std::size_t n = points.size();
+  const auto k = static_cast<std::size_t>(options.neighbors);
+  graph.spacing.assign(n, 0);
+  graph.first.assign(n + 1, 0);
+  if (n == 0) return graph;
+  progress.begin("neighbours", static_cast<double>(n), "points");
+  const Neighbors index(points);
+  std::vector<std::uint32_t> nearest(n * k, Paths::kNone);
+  parallel_blocks(n, 4096, options.threads, [&](std::size_t first, std::size_t last) {
+    progress.check();
+    std::vector<Neighbor> found;
+    for (std::size_t i = first; i < last; ++i) {
+      index.nearest(points[i], k + 1, found);
+      std::size_t used = 0;
+      for (const Neighbor& f : found) {
+        if (f.index == i || used == k) continue;
+        nearest[i * k + used++] = f.index;
+        if (used == 4) graph.spacing[i] = static_cast<float>(std::sqrt(f.distance_squared));
+      }
+      if (used > 0 && used < 4)
+        graph.spacing[i] = static_cast<float>(std::sqrt(found.back().distance_squared));
+    }
+    progress.advance(static_cast<double>(last - first));
+  });
+  std::vector<float> sorted = graph.spacing;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2), sorted.end());
+  graph.typical_spacing_m = sorted[n / 2];
+  // The sparser end of a link decides how long it may be, but never less than the scan's usual spacing
+  // allows.
+  const auto usual = static_cast<float>(graph.typical_spacing_m);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i * k; j < (i + 1) * k && nearest[j] != Paths::kNone; ++j) {
+      const std::uint32_t v = nearest[j];
+      const double limit =
+          kLinkSpacings * std::clamp(std::min(graph.spacing[i], graph.spacing[v]), usual, kSparsest * usual);
+      if ((points[i] - points[v]).squaredNorm() <= limit * limit) {
+        ++graph.first[i + 1];
+        ++graph.first[v + 1];
+      } else {
+        nearest[j] = static_cast<std::uint32_t>(i);
+      }
+    }
+  for (std::size_t i = 0; i < n; ++i) graph.first[i + 1] += graph.first[i];
+  graph.to.resize(graph.first[n]);
+  std::vector<std::size_t> fill(graph.first.begin(), graph.first.end() - 1);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i * k; j < (i + 1) * k && nearest[j] != Paths::kNone; ++j) {
+      if (nearest[j] == i) continue;
+      graph.to[fill[i]++] = nearest[j];
+      graph.to[fill[nearest[j]]++] = static_cast<std::uint32_t>(i);
+    }
+  progress.end();
+  return graph;
+}
+
+Parts connected_parts(const PointGraph& graph, const std::vector<char>& open) {
+  Parts parts;
+  const std::size_t n = graph.size();
+  parts.part.assign(n, Paths::kNone);
+  std::vector<std::uint32_t> stack;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (parts.part[i] != Paths::kNone || !open[i]) continue;
+    const auto id = static_cast<std::uint32_t>(parts.points.size());
+    parts.points.push_back(0);
+    parts.part[i] = id;
+    stack.push_back(static_cast<std::uint32_t>(i));
+    while (!stack.empty()) {
+      const std::uint32_t u = stack.back();
+      stack.pop_back();
+      ++parts.points[id];
+      for (const std::uint32_t v : graph.of(u)) {
+        if (parts.part[v] != Paths::kNone || !open[v]) continue;
+        parts.part[v] = id;
+        stack.push_back(v);
+      }
+    }
+  }
+  return parts;
+}
+
+Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
+                     const std::vector<Bridge>& bridges, const std::vector<char>& open,
+                     const std::vector<std::uint32_t>& sources, Progress& progress) {
+  constexpr double kTurnWeight = 1.0;
+  constexpr double kMemory_m = 0.04;  // the way's direction is taken over about this much of it
+  const std::size_t n = points.size();
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  Paths paths;
+  paths.parent.assign(n, Paths::kNone);
+  paths.length.assign(n, kFar);
+  std::vector<float> cost(n, kFar);
+  std::vector<Eigen::Vector3f> heading(n, Eigen::Vector3f::Zero());
+  std::vector<char> done(n, 0);
+  for (std::size_t i = 0; i < n; ++i) done[i] = !open[i];
+  std::vector<std::pair<std::uint32_t, std::pair<std::uint32_t, float>>> crossings;
+  crossings.reserve(2 * bridges.size());
+  for (const Bridge& b : bridges) {
+    crossings.push_back({b.a, {b.b, static_cast<float>(b.cost_m)}});
+    crossings.push_back({b.b, {b.a, static_cast<float>(b.cost_m)}});
+  }
+  std::sort(crossings.begin(), crossings.end());
+  const double scale = std::max(1e-6, graph.typical_spacing_m);
+
+  using Entry = std::pair<float, std::uint32_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  for (const std::uint32_t s : sources) {
+    cost[s] = 0;
+    paths.length[s] = 0;
+    heading[s] = Eigen::Vector3f::Zero();
+    queue.push({0.0f, s});
+  }
+  const auto relax = [&](std::uint32_t u, std::uint32_t v, double c) {
+    const Eigen::Vector3f step = (points[v] - points[u]).cast<float>();
+    const float length = step.norm();
+    const float h = heading[u].norm();
+    if (h > 0 && length > 0) {
+      const float cosine = heading[u].dot(step) / (h * length);
+      c *= 1 + kTurnWeight * (1 - cosine);
+    }
+    const float total = cost[u] + static_cast<float>(c);
+    if (!(total < cost[v])) return;
+    cost[v] = total;
+    paths.parent[v] = u;
+    paths.length[v] = paths.length[u] + length;
+    const float keep = static_cast<float>(std::exp(-length / kMemory_m));
+    heading[v] = heading[u] * keep + step;
+    queue.push({total, v});
+  };
+  progress.begin("paths", static_cast<double>(n), "points");
+  paths.order.reserve(n);
+  while (!queue.empty()) {
+    const auto [c, u] = queue.top();
+    queue.pop();
+    if (done[u]) continue;
+    done[u] = 1;
+    paths.order.push_back(u);
+    if (paths.order.size() % 65536 == 0) {
+      progress.check();
+      progress.advance(65536);
+    }
+    for (const std::uint32_t v : graph.of(u))
+      if (!done[v]) relax(u, v, step_cost((points[v] - points[u]).norm(), scale));
+    auto it = std::lower_bound(crossings.begin(), crossings.end(), u,
+                               [](const auto& e, std::uint32_t value) { return e.first < value; });
+    for (; it != crossings.end() && it->first == u; ++it)
+      if (!done[it->second.first]) relax(u, it->second.first, it->second.second);
+  }
+  progress.end();
+  return paths;
+}
+
+}  // namespace dendrofit

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "recon/preprocess.h"
+
+#include "core/errors.h"
+#include "recon/radix_sort.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <pcl/ModelCoefficients.h>
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+#include <pcl/sample_consensus/sac_model_perpendicular_plane.h>
+#include <pcl/segmentation/sac_segmentation.h>
+
+namespace dendrofit {
+namespace {
+
+constexpr double kGrid =
+    1e-5;  // local coordinates live on this grid, so that a shift of the cloud changes no bit
+
+std::uint64_t spread_bits(std::uint64_t v) {
+  v &= 0x1fffff;
+  v = (v | v << 32) & 0x1f00000000ffffULL;
+  v = (v | v << 16) & 0x1f0000ff0000ffULL;
+  v = (v | v << 8) & 0x100f00f00f00f00fULL;
+  v = (v | v << 4) & 0x10c30c30c30c30c3ULL;
+  return (v | v << 2) & 0x1249249249249249ULL;
+}
+
+std::uint64_t morton(const Vec3& p, double cell) {
+  return spread_bits(static_cast<std::uint64_t>(p.x() / cell)) |
+         spread_bits(static_cast<std::uint64_t>(p.y() / cell)) << 1 |
+         spread_bits(static_cast<std::uint64_t>(p.z() / cell)) << 2;
+}
+
+Vec3 on_grid(const Vec3& p) {
+  return {std::round(p.x() / kGrid) * kGrid, std::round(p.y() / kGrid) * kGrid,
+          std::round(p.z() / kGrid) * kGrid};
+}
+
+/// The lowest believable height of each plan cell: the third lowest point, so that two stray points cannot
+/// lower it.
+struct LowestRaster {
+  Bounds bounds;
+  double cell;
+  int columns, rows;
+  std::vector<double> low;
+  std::vector<int> count;
+
+  LowestRaster(const std::vector<Vec3>& points, double cell_m) : bounds(bounds_of(points)), cell(cell_m) {
+    columns = static_cast<int>(bounds.size().x() / cell) + 1;
+    rows = static_cast<int>(bounds.size().y() / cell) + 1;
+    const auto cells = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    std::vector<std::array<double, 3>> lowest(cells, {kNone, kNone, kNone});
+    count.assign(cells, 0);
+    for (const Vec3& p : points) {
+      const std::size_t c = index(p);
+      ++count[c];
+      auto& l = lowest[c];
+      if (p.z() >= l[2]) continue;
+      l[2] = p.z();
+      if (l[2] < l[1]) std::swap(l[1], l[2]);
+      if (l[1] < l[0]) std::swap(l[0], l[1]);
+    }
+    low.resize(cells);
+    for (std::size_t c = 0; c < cells; ++c) low[c] = lowest[c][2];
+  }
+  std::size_t index(const Vec3& p) const {
+    const int i = std::clamp(static_cast<int>((p.x() - bounds.lo.x()) / cell), 0, columns - 1);
+    const int j = std::clamp(static_cast<int>((p.y() - bounds.lo.y()) / cell), 0, rows - 1);
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(i);
+  }
+  Vec3 centre(std::size_t c) const {
+    const auto w = static_cast<std::size_t>(columns);
+    return {bounds.lo.x() + (static_cast<double>(c % w) + 0.5) * cell,
+            bounds.lo.y() + (static_cast<double>(c / w) + 0.5) * cell, low[c]};
+  }
+};
+
+struct Plane {
+  double a = 0, b = 0, c = 0;  // z = a x + b y + c
+  std::size_t inliers = 0;
+  double at(double x, double y) const { return a * x + b * y + c; }
+};
+
+/// Robust plane through the cells' lowest heights, at most 45 degrees steep.
+Plane robust_plane(const LowestRaster& raster, double tolerance) {
+  pcl::PointCloud<pcl::PointXYZ>::Ptr cloud(new pcl::PointCloud<pcl::PointXYZ>);
+  for (std::size_t c = 0; c < raster.low.size(); ++c)
+    if (raster.count[c] >= 3)
+      cloud->push_back([&] {
+        const Eigen::Vector3f p = raster.centre(c).cast<float>();
+        return pcl::PointXYZ(p.x(), p.y(), p.z());
+      }());
+  Plane plane;
+  if (cloud->size() < 3) return plane;
+  pcl::SACSegmentation<pcl::PointXYZ> segmentation(false);
+  segmentation.setModelType(pcl::SACMODEL_PERPENDICULAR_PLANE);
+  segmentation.setMethodType(pcl::SAC_RANSAC);
+  segmentation.setAxis(Eigen::Vector3f::UnitZ());
+  segmentation.setEpsAngle(M_PI / 4);
+  segmentation.setDistanceThreshold(tolerance);
+  segmentation.setMaxIterations(500);
+  segmentation.setInputCloud(cloud);
+  pcl::ModelCoefficients model;
+  pcl::PointIndices inliers;
+  segmentation.segment(inliers, model);
+  if (inliers.indices.empty() || model.values.size() != 4 || std::abs(model.values[2]) < 0.5f) return plane;
+  plane.a = -model.values[0] / model.values[2];
+  plane.b = -model.values[1] / model.values[2];
+  plane.c = -model.values[3] / model.values[2];
+  plane.inliers = inliers.indices.size();
+  return plane;
+}
+
+}  // namespace
+
+void PreprocessOptions::validate() const {
+  require(std::isfinite(voxel_size_m) && voxel_size_m >= 1e-4 && voxel_size_m <= 0.5, "voxel_size_m",
+          voxel_size_m, "must lie between 0.1 mm and 0.5 m");
+  require(std::isfinite(ground_cell_m) && ground_cell_m >= 0.05 && ground_cell_m <= 5, "ground_cell_m",
+          ground_cell_m, "must lie between 0.05 and 5 m");
+}
+
+CleanScan clean_scan(const PointCloud& cloud, const PreprocessOptions& options, Progress& progress) {
+  options.validate();
+  CleanScan clean;
+  clean.raw_points = cloud.size();
+  if (cloud.empty()) return clean;
+  progress.begin("clean", static_cast<double>(cloud.size()), "points");
+  const Bounds bounds = bounds_of(cloud.points);
+  if (!bounds.lo.allFinite() || !bounds.hi.allFinite())
+    throw InputError("point cloud: a coordinate is not finite; remove such points first");
+  // 21 bits an axis: a scene too wide for the asked voxel gets the finest one that fits.
+  const double voxel = std::max(options.voxel_size_m, bounds.size().maxCoeff() / 2.0e6);
+  clean.origin_shift = cloud.origin_shift + bounds.lo;
+
+  std::vector<KeyedIndex> order(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    order[i] = {morton(on_grid(cloud.points[i] - bounds.lo) + Vec3::Constant(0.25 * kGrid), voxel),
+                static_cast<std::uint32_t>(i)};
+  progress.check();
+  radix_sort(order);
+  progress.check();
+  for (std::size_t i = 0; i < order.size();) {
+    Vec3 sum = Vec3::Zero();
+    std::size_t j = i;
+    for (; j < order.size() && order[j].key == order[i].key; ++j)
+      sum += on_grid(cloud.points[order[j].index] - bounds.lo);
+    clean.points.push_back(on_grid(sum / static_cast<double>(j - i)));
+    clean.source.push_back(order[i].index);
+    i = j;
+  }
+  progress.end();
+  return clean;
+}
+
+double Ground::height_at(double x, double y) const {
+  const double u = std::clamp(x / cell_m - 0.5, 0.0, static_cast<double>(columns - 1));
+  const double v = std::clamp(y / cell_m - 0.5, 0.0, static_cast<double>(rows - 1));
+  const int i = std::min(static_cast<int>(u), std::max(0, columns - 2));
+  const int j = std::min(static_cast<int>(v), std::max(0, rows - 2));
+  const auto at = [&](int a, int b) {
+    return height[static_cast<std::size_t>(std::min(b, rows - 1)) * static_cast<std::size_t>(columns) +
+                  static_cast<std::size_t>(std::min(a, columns - 1))];
+  };
+  const double fu = u - i, fv = v - j;
+  return (1 - fv) * ((1 - fu) * at(i, j) + fu * at(i + 1, j)) +
+         fv * ((1 - fu) * at(i, j + 1) + fu * at(i + 1, j + 1));
+}
+
+Ground find_ground(const std::vector<Vec3>& points, const PreprocessOptions& options) {
+  constexpr double kPlaneTolerance = 0.2;  // bumps about the plane
+  constexpr double kReach = 0.6;           // of local heights about the plane
+  constexpr double kNothingBelow = 0.3;    // deeper than this under the plane there must be nothing ...
+  constexpr double kStrayShare = 0.002;    // ... but strays
+  constexpr std::size_t kFewestCells = 12;
+  Ground ground;
+  if (points.size() < 100) return ground;
+  const LowestRaster raster(points, options.ground_cell_m);
+  const Plane plane = robust_plane(raster, kPlaneTolerance);
+  const auto occupied = static_cast<std::size_t>(
+      std::count_if(raster.count.begin(), raster.count.end(), [](int n) { return n >= 3; }));
+  if (plane.inliers < kFewestCells || 4 * plane.inliers < occupied) return ground;
+  std::size_t below = 0, near = 0;
+  for (const Vec3& p : points) {
+    const double h = p.z() - plane.at(p.x(), p.y());
+    below += h < -kNothingBelow;
+    near += std::abs(h) <= kPlaneTolerance;
+  }
+  if (static_cast<double>(below) > kStrayShare * static_cast<double>(points.size()) || near < 4 * below)
+    return ground;
+
+  ground.present = true;
+  ground.cell_m = raster.cell;
+  ground.columns = raster.columns;
+  ground.rows = raster.rows;
+  const std::size_t cells = raster.low.size();
+  // Each cell's own height where it lies about the plane, else the plane; then the median of the cells
+  // around.
+  std::vector<double> rough(cells);
+  for (std::size_t c = 0; c < cells; ++c) {
+    const Vec3 m = raster.centre(c);
+    const double level = plane.at(m.x(), m.y());
+    rough[c] = raster.count[c] >= 3 && std::abs(m.z() - level) <= kReach
+                   ? m.z() - level
+                   : std::numeric_limits<double>::quiet_NaN();
+  }
+  ground.height.resize(cells);
+  std::vector<double> around;
+  for (int j = 0; j < raster.rows; ++j)
+    for (int i = 0; i < raster.columns; ++i) {
+      around.clear();
+      for (int b = std::max(0, j - 1); b <= std::min(raster.rows - 1, j + 1); ++b)
+        for (int a = std::max(0, i - 1); a <= std::min(raster.columns - 1, i + 1); ++a) {
+          const double h = rough[static_cast<std::size_t>(b) * static_cast<std::size_t>(raster.columns) +
+                                 static_cast<std::size_t>(a)];
+          if (std::isfinite(h)) around.push_back(h);
+        }
+      const auto c = static_cast<std::size_t>(j) * static_cast<std::size_t>(raster.columns) +
+                     static_cast<std::size_t>(i);
+      const Vec3 m = raster.centre(c);
+      double offset = 0;
+      if (!around.empty()) {
+        std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2),
+                         around.end());
+        offset = around[around.size() / 2];
+      }
+      ground.height[c] = plane.at(m.x(), m.y()) + offset;
+    }
+  return ground;
+}
+
+std::size_t remove_ground(CleanScan& scan, const Ground& ground) {
+  if (!ground.present) return 0;
+  // The ground's own roughness tells how thick a layer it is.
+  std::vector<double> off(scan.points.size());
+  std::vector<double> near;
+  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+    const Vec3& p = scan.points[i];
+    off[i] = p.z() - ground.height_at(p.x(), p.y());
+    if (std::abs(off[i]) < 0.2) near.push_back(std::abs(off[i]));
+  }
+  if (near.empty()) return 0;
+  const auto place = near.begin() + static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(near.size() - 1));
+  std::nth_element(near.begin(), place, near.end());
+  const double layer = std::clamp(1.2 * *place, 0.03, 0.12);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < off.size(); ++i) {
+    if (off[i] <= layer) continue;
+    scan.points[kept] = scan.points[i];
+    scan.source[kept++] = scan.source[i];
+  }
+  const std::size_t removed = off.size() - kept;
+  scan.points.resize(kept);
+  scan.source.resize(kept);
+  return removed;
+}
+
+}  // namespace dendrofit

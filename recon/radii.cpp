@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "recon/radii.h"
+
+#include "core/errors.h"
+#include "recon/taper.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace dendrofit {
+namespace {
+
+constexpr double kBestShare = 0.05;
+constexpr double kNoiseDoubt = 0.15;          // relative, of the noise's variance
+constexpr double kUsualTwigDiameter = 0.003;  // of broadleaves' last shoots
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Wood length beyond every node.
+using NodeValues = std::vector<std::vector<double>>;
+
+NodeValues beyond_nodes(const std::vector<Limb>& limbs) {
+  NodeValues beyond(limbs.size());
+  for (std::size_t l = 0; l < limbs.size(); ++l) beyond[l].assign(limbs[l].nodes.size(), 0);
+  for (std::size_t l = limbs.size(); l-- > 0;) {
+    const Limb& limb = limbs[l];
+    for (std::size_t i = limb.nodes.size(); i-- > 1;)
+      beyond[l][i - 1] += beyond[l][i] + limb.nodes[i].along_m - limb.nodes[i - 1].along_m;
+    if (limb.parent >= 0)
+      beyond[static_cast<std::size_t>(limb.parent)][static_cast<std::size_t>(limb.parent_node)] +=
+          beyond[l].front();
+  }
+  return beyond;
+}
+
+/// The radius squared that a median spread means, once noise is taken off (Rayleigh: the median of a squared
+/// distance under isotropic noise alone is 2 ln 2 variances), with its standard error.
+struct Square {
+  double value = 0, se = 0;
+};
+
+Square radius_squared(const Spread& spread, double noise) {
+  const double variance = noise * noise;
+  const double value = spread.square - 2 * std::numbers::ln2 * variance;
+  const double r2 = std::max(value, 0.0);
+  const double scatter =
+      std::sqrt((4 * r2 * variance + 4 * variance * variance) / static_cast<double>(spread.count));
+  return {value, std::hypot(1.25 * scatter, kNoiseDoubt * 2 * std::numbers::ln2 * variance)};
+}
+
+/// The tree's own radius for a given wood length beyond: medians in classes of length (so that noise in
+/// single places averages out and none is selected by its size), then a line through them in logarithms.
+Allometry fit_allometry(const std::vector<Limb>& limbs, const NodeValues& beyond, const Sights& sights,
+                        double noise, double tip_radius) {
+  constexpr double kClass = 0.5;  // in natural logarithms of length
+  Allometry allometry;
+  allometry.tip_radius_m = tip_radius;
+  std::map<int, std::vector<double>> classes;
+  const auto square_of = [&](const Sight& s) {
+    return s.circle.ok ? s.circle.radius * s.circle.radius - noise * noise
+                       : radius_squared(s.spread, noise).value;
+  };
+  for (std::size_t l = 0; l < limbs.size(); ++l)
+    for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i)
+      if (sights[l][i].spread.count > 0 && beyond[l][i] > 0.05)
+        classes[static_cast<int>(std::floor(std::log(beyond[l][i]) / kClass))].push_back(
+            square_of(sights[l][i]));
+  double sw = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  const auto add = [&](double w, double x, double y) {
+    sw += w;
+    sx += w * x;
+    sy += w * y;
+    sxx += w * x * x;
+    sxy += w * x * y;
+  };
+  for (auto& [index, squares] : classes) {
+    if (squares.size() < 5) continue;
+    const double r2 = median(squares);
+    if (r2 < 0.5 * noise * noise) continue;  // noise alone
+    allometry.places += squares.size();
+    add(std::sqrt(static_cast<double>(std::min<std::size_t>(squares.size(), 100))), (index + 0.5) * kClass,
+        0.5 * std::log(r2));
+  }
+  if (allometry.places < 20) return allometry;
+  add(5, std::log(0.05), std::log(tip_radius));  // a twig's last five centimetres
+  const double det = sw * sxx - sx * sx;
+  if (!(det > 1e-9 * sw * sw)) return allometry;
+  allometry.exponent = std::clamp((sw * sxy - sx * sy) / det, 0.25, 1.0);
+  allometry.scale = std::exp((sy - allometry.exponent * sx) / sw);
+  std::vector<double> off;
+  for (std::size_t l = 0; l < limbs.size(); ++l)
+    for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i) {
+      const double expected = allometry.radius_at(beyond[l][i]);
+      if (sights[l][i].spread.count == 0 || expected < 1.5 * noise) continue;
+      off.push_back(std::abs(0.5 * std::log(std::max(square_of(sights[l][i]), 1e-8)) - std::log(expected)));
+    }
+  if (off.size() >= 20) allometry.spread = std::clamp(1.4826 * median(off), 0.15, 0.6);
+  return allometry;
+}
+
+/// One limb's radii and their weights from what was seen and what the tree's allometry expects.
+void weigh(Limb& limb, const std::vector<double>& beyond, const std::vector<Sight>& sights,
+           const Allometry& allometry, double noise, std::vector<double>& radius,
+           std::vector<double>& weight) {
+  const std::size_t n = limb.nodes.size();
+  radius.assign(n, 0);
+  weight.assign(n, 0);
+  std::vector<char> seen(n, 0);
+  std::size_t first = n, last = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    LimbNode& node = limb.nodes[i];
+    const double expected = allometry.scale > 0 ? allometry.radius_at(beyond[i])
+                                                : std::max(allometry.tip_radius_m, node.rough_radius_m);
+    const double doubt = std::max(allometry.spread, 0.1) * expected;
+    const Sight& s = sights[i];
+    radius[i] = expected;
+    weight[i] = 1 / (doubt * doubt);
+    node.measured = false;
+    if (s.circle.ok) {
+      const double r = s.circle.radius - noise * noise / (2 * s.circle.radius);
+      const double se = std::hypot(s.circle.radius_se, 0.1 * noise) / std::sqrt(s.circle.coverage);
+      const double w = 1 / (se * se);
+      radius[i] = (w * r + 0.2 * weight[i] * expected) / (w + 0.2 * weight[i]);
+      weight[i] = w + 0.2 * weight[i];
+      node.coverage = s.circle.coverage;
+      seen[i] = 1;
+    } else if (s.spread.count > 0) {
+      const Square square = radius_squared(s.spread, noise);
+      const double doubt2 = 2 * doubt * expected;  // of the expected square
+      const double a = 1 / (square.se * square.se), b = 1 / (doubt2 * doubt2);
+      const double r2 = std::max((a * square.value + b * expected * expected) / (a + b),
+                                 allometry.tip_radius_m * allometry.tip_radius_m);
+      radius[i] = std::sqrt(r2);
+      const double se = 1 / std::sqrt(a + b) / (2 * radius[i]);
+      weight[i] = 1 / (se * se);
+      seen[i] = a > b;  // the points say more than the expectation
+    }
+    if (seen[i]) {
+      first = std::min(first, i);
+      last = i;
+    }
+    node.measured = seen[i] != 0;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (seen[i])
+      limb.nodes[i].quality = RadiusQuality::measured;
+    else
+      limb.nodes[i].quality = i > first && i < last ? RadiusQuality::interpolated : RadiusQuality::allometric;
+  }
+  for (std::size_t i = first; i < last; ++i) {  // between measured places: along the line between them
+    if (!seen[i]) continue;
+    std::size_t j = i + 1;
+    while (!seen[j]) ++j;
+    for (std::size_t k = i + 1; k < j; ++k) {
+      const double t = (limb.nodes[k].along_m - limb.nodes[i].along_m) /
+                       std::max(1e-9, limb.nodes[j].along_m - limb.nodes[i].along_m);
+      radius[k] = (1 - t) * radius[i] + t * radius[j];
+      weight[k] = 0.25 * std::min(weight[i], weight[j]);
+    }
+    i = j - 1;
+  }
+}
+
+}  // namespace
+
+void RadiusOptions::validate() const {
+  if (twig_diameter_m)
+    require(std::isfinite(*twig_diameter_m) && *twig_diameter_m > 0 && *twig_diameter_m < 0.1,
+            "twig_diameter_m", *twig_diameter_m, "must lie between 0 and 0.1 m");
+}
+
+double Allometry::radius_at(double beyond_m) const {
+  return std::max(tip_radius_m, scale * std::pow(std::max(beyond_m, 1e-3), exponent));
+}
+
+/// Noise and footprint from the thinnest twigs, where nearly all spread is theirs; thick wood, where the
+/// scatter about the circles is range noise alone, bounds it.
+double scan_noise(const std::vector<Limb>& limbs, const Sights& sights, double fallback_m,
+                  const RadiusOptions& options) {
+  const NodeValues beyond = beyond_nodes(limbs);
+  const double tip_radius = 0.5 * options.twig_diameter_m.value_or(kUsualTwigDiameter);
+  std::vector<double> twigs, stems;
+  for (std::size_t l = 0; l < limbs.size(); ++l)
+    for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i) {
+      const Sight& s = sights[l][i];
+      if (s.circle.ok && s.circle.radius > 0.03 && s.circle.coverage > 0.5) stems.push_back(s.circle.rms);
+      if (s.spread.count > 0 && beyond[l][i] > 0.04 && beyond[l][i] < 0.4 && !s.circle.ok)
+        twigs.push_back(s.spread.square);
+    }
+  double noise = fallback_m;
+  if (twigs.size() >= 20)
+    noise = std::sqrt(std::max(0.0, median(twigs) - 1.5 * tip_radius * tip_radius) / (2 * std::numbers::ln2));
+  else if (stems.size() >= 10)
+    noise = median(stems);
+  if (stems.size() >= 10) noise = std::min(noise, 1.7 * median(stems));
+  return std::clamp(noise, 0.0005, 0.05);
+}
+
+RadiusReport settle_radii(std::vector<Limb>& limbs, const Sights& sights, double noise_m,
+                          const RadiusOptions& options) {
+  options.validate();
+  RadiusReport report;
+  report.noise_m = noise_m;
+  const NodeValues beyond = beyond_nodes(limbs);
+  const double tip_radius = 0.5 * options.twig_diameter_m.value_or(kUsualTwigDiameter);
+  report.allometry = fit_allometry(limbs, beyond, sights, noise_m, tip_radius);
+  std::vector<double> value, weight, limb_radius, limb_weight;
+  std::vector<std::int32_t> parent;
+  std::vector<std::size_t> first(limbs.size());
+  for (std::size_t l = 0; l < limbs.size(); ++l) {
+    weigh(limbs[l], beyond[l], sights[l], report.allometry, noise_m, limb_radius, limb_weight);
+    first[l] = value.size();
+    for (std::size_t i = 0; i < limb_radius.size(); ++i) {
+      const auto here = static_cast<std::int32_t>(value.size());
+      if (i > 0)
+        parent.push_back(here - 1);
+      else
+        parent.push_back(limbs[l].parent < 0
+                             ? -1
+                             : static_cast<std::int32_t>(first[static_cast<std::size_t>(limbs[l].parent)]) +
+                                   limbs[l].parent_node);
+      // No single place is believed to better than a twentieth: bark, burls and crotches.
+      const double doubt = kBestShare * limb_radius[i];
+      value.push_back(limb_radius[i]);
+      weight.push_back(1 / (1 / limb_weight[i] + doubt * doubt));
+    }
+  }
+  const std::vector<double> fitted = falling_towards_tips(value, weight, parent);
+  for (std::size_t l = 0; l < limbs.size(); ++l)
+    for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i) {
+      LimbNode& node = limbs[l].nodes[i];
+      node.radius_m = fitted[first[l] + i];
+      node.radius_se_m = 1 / std::sqrt(weight[first[l] + i]);
+    }
+  return report;
+}
+
+}  // namespace dendrofit

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "recon/reconstruct.h"
+
+#include "core/errors.h"
+#include "recon/build_tree.h"
+#include "recon/foot.h"
+#include "recon/forks.h"
+#include "recon/graph.h"
+#include "recon/mend.h"
+#include "recon/preprocess.h"
+#include "recon/radii.h"
+#include "recon/sections.h"
+#include "recon/skeleton.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+
+namespace dendrofit {
+namespace {
+
+/// Notes wall and processor time between its construction and the next mark.
+class StageClock {
+ public:
+  explicit StageClock(std::vector<StageTime>& stages) : stages_(stages) { start(); }
+  void mark(const char* stage) {
+    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_).count();
+    stages_.push_back({stage, wall, static_cast<double>(std::clock() - cpu_) / CLOCKS_PER_SEC});
+    start();
+  }
+
+ private:
+  void start() {
+    wall_ = std::chrono::steady_clock::now();
+    cpu_ = std::clock();
+  }
+  std::vector<StageTime>& stages_;
+  std::chrono::steady_clock::time_point wall_;
+  std::clock_t cpu_ = 0;
+};
+
+}  // namespace
+
+void ReconstructOptions::validate() const {
+  require(std::isfinite(dbh_height_m) && dbh_height_m > 0, "dbh_height_m", dbh_height_m, "must be positive");
+  PreprocessOptions{.voxel_size_m = voxel_size_m}.validate();
+  GraphOptions{.neighbors = neighbors, .max_gap_m = max_gap_m, .threads = threads}.validate();
+  SkeletonOptions{.shortest_limb_m = shortest_limb_m}.validate();
+  RadiusOptions{.twig_diameter_m = twig_diameter_m}.validate();
+}
+
+Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& options, Progress& progress) {
+  options.validate();
+  Reconstruction result;
+  StageClock clock(result.stages);
+  const PreprocessOptions preprocess{.voxel_size_m = options.voxel_size_m};
+  const GraphOptions graph_options{
+      .neighbors = options.neighbors, .max_gap_m = options.max_gap_m, .threads = options.threads};
+
+  CleanScan scan = clean_scan(cloud, preprocess, progress);
+  result.raw_points = scan.raw_points;
+  result.clean_points = scan.points.size();
+  clock.mark("clean");
+
+  const Ground ground = find_ground(scan.points, preprocess);
+  result.ground_found = ground.present;
+  result.ground_points = remove_ground(scan, ground);
+  clock.mark("ground");
+
+  const PointGraph graph = neighbor_graph(scan.points, graph_options, progress);
+  result.spacing_m = graph.typical_spacing_m;
+  clock.mark("neighbours");
+
+  std::vector<char> open(scan.points.size(), 1);
+  const std::vector<double> height = heights_above_foot(scan.points, connected_parts(graph, open), ground);
+  const std::vector<Foot> feet = find_feet(scan.points, graph, height, ground);
+  const std::vector<Foot> tree_feet(feet.begin(), feet.begin() + 1);
+  result.foot = scan.origin_shift + feet.front().position;
+  result.ground_points += close_low_vegetation(scan.points, graph, height, ground, tree_feet, open);
+  clock.mark("foot");
+
+  const Parts parts = connected_parts(graph, open);
+  std::vector<Bridge> bridges = bridge_gaps(scan.points, graph, parts, graph_options, progress);
+  clock.mark("gaps");
+
+  Paths paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);
+  clock.mark("paths");
+
+  std::vector<Section> sections = cut_sections(scan.points, graph, paths, tree_feet, progress);
+  clock.mark("sections");
+
+  const std::vector<Bridge> mended =
+      mend_cut_branches(scan.points, sections, graph.typical_spacing_m, options.max_gap_m);
+  if (!mended.empty()) {
+    bridges.insert(bridges.end(), mended.begin(), mended.end());
+    paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);
+    sections = cut_sections(scan.points, graph, paths, tree_feet, progress);
+  }
+  result.tree_points = paths.order.size();
+  result.stray_points = scan.points.size() - paths.order.size();
+  clock.mark("mending");
+
+  std::vector<Limb> limbs = make_limbs(scan.points, sections, graph.typical_spacing_m,
+                                       SkeletonOptions{.shortest_limb_m = options.shortest_limb_m});
+  clock.mark("skeleton");
+
+  const RadiusOptions radius_options{.twig_diameter_m = options.twig_diameter_m};
+  SightOptions seeing{.noise_m = std::clamp(0.25 * graph.typical_spacing_m, 0.001, 0.02),
+                      .threads = options.threads};
+  progress.begin("centre lines", 0, "limbs");
+  Sights sights = look_at_limbs(scan.points, limbs, seeing, progress);
+  seeing.noise_m = scan_noise(limbs, sights, seeing.noise_m, radius_options);
+  centre_limbs(limbs, sights, seeing);
+  lead_limbs_back(scan.points, limbs, graph.typical_spacing_m);
+  centre_limbs(limbs, look_at_limbs(scan.points, limbs, seeing, progress), seeing);
+  progress.end();
+  clock.mark("centre lines");
+
+  sights = look_at_limbs(scan.points, limbs, seeing, progress);
+  result.noise_m = scan_noise(limbs, sights, seeing.noise_m, radius_options);
+  settle_radii(limbs, sights, result.noise_m, radius_options);
+  clock.mark("radii");
+
+  result.tree = build_tree(limbs, tree_feet, scan.origin_shift);
+  if (result.tree.empty()) throw SolverError("no wood could be followed from the stem's foot upwards");
+  result.metrics = measure(result.tree, MetricsOptions{.dbh_height_m = options.dbh_height_m});
+  result.metrics.wood_share = result.wood_share;
+  clock.mark("tree");
+  return result;
+}
+
+}  // namespace dendrofit

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Point cloud in, tree out: the pipeline of a reconstruction.
+#pragma once
+
+#include "core/metrics.h"
+#include "core/point_cloud.h"
+#include "core/progress.h"
+#include "core/tree.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dendrofit {
+
+struct ReconstructOptions {
+  double voxel_size_m = 0.004;            ///< points closer together than this are merged
+  int neighbors = 10;                     ///< links of each point in the neighbour graph
+  double max_gap_m = 1.5;                 ///< widest gap in the scan that wood is believed to cross
+  double shortest_limb_m = 0.03;          ///< shorter side shoots are noise about their bearer
+  double dbh_height_m = 1.3;              ///< above the foot
+  std::optional<double> twig_diameter_m;  ///< of the species' twig ends, where known
+  int threads = 0;                        ///< 0: all cores
+  std::uint64_t seed = 1;                 ///< of the resampling behind the intervals
+  /// Throws InputError naming field, value and limit.
+  void validate() const;
+};
+
+struct StageTime {
+  std::string stage;
+  double wall_seconds = 0;
+  double cpu_seconds = 0;  ///< of the whole process
+};
+
+struct Reconstruction {
+  Tree tree;  ///< connected; its origin shift is the cloud's, moved to the scan's corner
+  TreeMetrics metrics;
+  PointCloud leaf_points;             ///< taken for foliage
+  std::vector<std::string> warnings;  ///< what a forester should know about this result
+  std::vector<StageTime> stages;
+
+  Vec3 foot = Vec3::Zero();  ///< world position of the first stem's foot
+  bool ground_found = false;
+  double wood_share = 1;  ///< of the points that belong to the tree
+  double noise_m = 0;     ///< spread of points about the wood, one standard deviation
+  double spacing_m = 0;   ///< usual distance of a point's fourth neighbour
+  std::size_t raw_points = 0;
+  std::size_t clean_points = 0;   ///< after merging near duplicates
+  std::size_t ground_points = 0;  ///< ground and low vegetation
+  std::size_t stray_points = 0;   ///< isolated, or beyond every gap that may be bridged
+  std::size_t tree_points = 0;    ///< wood and leaves
+  std::size_t bridged_gaps = 0;   ///< gaps the skeleton crosses
+};
+
+/// Throws InputError for coordinates that are not finite, SolverError (saying why, in the field's words)
+/// where the scan holds no stem. The same cloud gives the same result whatever `threads`, and the same tree
+/// wherever it stands.
+Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& options = {},
+                           Progress& progress = no_progress());
+
+}  // namespace dendrofit

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "recon/sections.h"
+
+#include "recon/cylinder_fit.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
+
+namespace dendrofit {
+namespace {
+
+struct Settings {
+  double shortest_m;  // of a section: a few point spacings
+  double noise_m;     // half the width within which a cluster of points is as good as a line
+};
+
+/// Children of each point along the paths, in compressed rows.
+struct PathChildren {
+  std::vector<std::uint32_t> first, child;
+  explicit PathChildren(const Paths& paths) : first(paths.parent.size() + 1, 0) {
+    for (const std::uint32_t p : paths.parent)
+      if (p != Paths::kNone) ++first[p + 1];
+    for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
+    child.resize(first.back());
+    std::vector<std::uint32_t> fill(first.begin(), first.end() - 1);
+    for (const std::uint32_t i : paths.order)
+      if (paths.parent[i] != Paths::kNone) child[fill[paths.parent[i]]++] = i;
+  }
+  std::span<const std::uint32_t> of(std::uint32_t i) const {
+    return {child.data() + first[i], first[i + 1] - first[i]};
+  }
+};
+
+class Cutter {
+ public:
+  Cutter(const std::vector<Vec3>& points, const PointGraph& graph, const Paths& paths)
+      : points_(points), graph_(graph), paths_(paths), children_(paths), group_(points.size(), Paths::kNone) {
+    settings_.shortest_m = std::max(0.02, 2.5 * graph.typical_spacing_m);
+    settings_.noise_m = std::max(0.004, 0.5 * graph.typical_spacing_m);
+  }
+
+  std::vector<Section> cut(const std::vector<Foot>& feet, Progress& progress) {
+    for (const Foot& foot : feet) plant(foot);
+    for (std::size_t s = 0; s < sections_.size(); ++s) {
+      if (s % 1024 == 0) progress.check();
+      grow(s);
+    }
+    return std::move(sections_);
+  }
+
+ private:
+  struct Group {
+    std::vector<std::uint32_t> points;
+    Vec3 mean = Vec3::Zero();
+    bool main = false;  // goes on where the parent's cylinder would
+  };
+
+  void plant(const Foot& foot) {
+    Section root;
+    for (const std::uint32_t p : foot.points)
+      if (paths_.parent[p] == Paths::kNone && std::isfinite(paths_.length[p])) root.points.push_back(p);
+    root.direction = Vec3(foot.slope.x(), foot.slope.y(), 1).normalized();
+    root.radius_m = 0.5 * foot.diameter_m;
+    root.centre = foot.position;
+    for (const std::uint32_t p : root.points)
+      root.centre.z() += (points_[p].z() - foot.position.z()) / static_cast<double>(root.points.size());
+    root.centre.head<2>() += foot.slope * (root.centre.z() - foot.position.z());
+    if (root.points.empty()) return;
+    for (const std::uint32_t p : root.points) group_[p] = next_group_;
+    ++next_group_;
+    sections_.push_back(std::move(root));
+    end_.push_back(0);
+  }
+
+  double step(const Section& s) const {
+    return std::clamp(0.7 * s.radius_m, settings_.shortest_m, std::max(0.08, settings_.shortest_m));
+  }
+
+  /// The points next on the paths that no section has yet, up to one step beyond the section's end (or beyond
+  /// the nearest of them, across a gap).
+  std::vector<std::uint32_t> next_points(std::size_t index, float& end) const {
+    std::vector<std::uint32_t> front, reached;
+    float begin = std::numeric_limits<float>::infinity();
+    for (const std::uint32_t p : sections_[index].points)
+      for (const std::uint32_t c : children_.of(p))
+        if (group_[c] == Paths::kNone) {
+          front.push_back(c);
+          begin = std::min(begin, paths_.length[c]);
+        }
+    end = std::max(begin, end_[index]) + static_cast<float>(step(sections_[index]));
+    for (const std::uint32_t c : front)
+      if (paths_.length[c] < end) reached.push_back(c);
+    for (std::size_t i = 0; i < reached.size(); ++i)
+      for (const std::uint32_t c : children_.of(reached[i]))
+        if (paths_.length[c] < end) reached.push_back(c);
+    return reached;
+  }
+
+  std::vector<Group> groups_of(const std::vector<std::uint32_t>& reached, const Section& s) {
+    std::vector<Group> groups;
+    const std::uint32_t open = next_group_++;
+    for (const std::uint32_t p : reached) group_[p] = open;
+    const double reach = std::max(2.5 * graph_.typical_spacing_m, 0.5 * s.radius_m);
+    for (const std::uint32_t seed : reached) {
+      if (group_[seed] != open) continue;
+      const std::uint32_t id = next_group_++;
+      Group group;
+      group.points.push_back(seed);
+      group_[seed] = id;
+      for (std::size_t m = 0; m < group.points.size(); ++m)
+        for (const std::uint32_t v : graph_.of(group.points[m]))
+          if (group_[v] == open && (points_[v] - points_[group.points[m]]).norm() <= reach) {
+            group_[v] = id;
+            group.points.push_back(v);
+          }
+      for (const std::uint32_t p : group.points)
+        group.mean += points_[p] / static_cast<double>(group.points.size());
+      groups.push_back(std::move(group));
+    }
+    return groups;
+  }
+
+  /// Share of a group's points that lie within the section's cylinder, prolonged.
+  double share_within(const Group& group, const Section& s) const {
+    const double reach = 1.15 * s.radius_m + settings_.noise_m;
+    std::size_t inside = 0;
+    for (const std::uint32_t p : group.points) {
+      const Vec3 d = points_[p] - s.centre;
+      inside += (d - s.direction * d.dot(s.direction)).norm() <= reach;
+    }
+    return static_cast<double>(inside) / static_cast<double>(group.points.size());
+  }
+
+  void grow(std::size_t index) {
+    float end = 0;
+    for (std::vector<std::uint32_t> reached = next_points(index, end); !reached.empty();
+         reached = next_points(index, end)) {
+      Section parent;  // without its points: sections_ grows below
+      parent.centre = sections_[index].centre;
+      parent.direction = sections_[index].direction;
+      parent.radius_m = sections_[index].radius_m;
+      parent.coasted_m = sections_[index].coasted_m;
+      std::vector<Group> groups = groups_of(reached, parent);
+      merge_within(groups, parent);
+      for (Group& group : groups) {
+        add(static_cast<std::int32_t>(index), parent, group);
+        end_.push_back(end);
+      }
+    }
+  }
+
+  /// Number of 24 sectors of the section's prolonged surface in which a group has points.
+  int sectors_of(const Group& group, const Section& s) const {
+    Vec3 u, v;
+    plane_frame(s.direction, u, v);
+    const double reach = std::max(2 * settings_.noise_m, 0.2 * s.radius_m);
+    std::uint32_t seen = 0;
+    for (const std::uint32_t p : group.points) {
+      const Vec3 d = points_[p] - s.centre;
+      const double x = d.dot(u), y = d.dot(v);
+      if (std::abs(std::hypot(x, y) - s.radius_m) > reach) continue;
+      seen |= 1U << static_cast<int>(std::min(23.0, 12 * (std::atan2(y, x) / std::numbers::pi + 1)));
+    }
+    return std::popcount(seen);
+  }
+
+  /// Thick wood has one successor: all groups within its prolonged cylinder are one, and a group that a
+  /// crotch joins to the wood is part of it where it holds most of the surface.
+  void merge_within(std::vector<Group>& groups, const Section& parent) const {
+    if (parent.radius_m < 2 * settings_.noise_m) return;
+    std::vector<Group*> within, joined;
+    int sectors = 0;
+    for (Group& g : groups) {
+      const double share = share_within(g, parent);
+      if (share >= 0.5) {
+        within.push_back(&g);
+        sectors += sectors_of(g, parent);
+      } else if (share >= 0.2) {
+        joined.push_back(&g);
+      }
+    }
+    for (Group* g : joined) {
+      const int theirs = sectors_of(*g, parent);
+      const bool holds_surface = theirs >= 8 && theirs >= 2 * sectors;
+      if (groups.size() == 1 || (!within.empty() && holds_surface)) within.push_back(g);
+    }
+    if (within.empty()) return;
+    Group& main = *within.front();
+    main.main = true;
+    for (std::size_t k = 1; k < within.size(); ++k) {
+      Group& g = *within[k];
+      const auto a = static_cast<double>(main.points.size()), b = static_cast<double>(g.points.size());
+      main.mean = (a * main.mean + b * g.mean) / (a + b);
+      main.points.insert(main.points.end(), g.points.begin(), g.points.end());
+      g.points.clear();
+    }
+    std::erase_if(groups, [](const Group& g) { return g.points.empty(); });
+  }
+
+  /// Thick wood goes on as the parent's cylinder foretells: fits a circle from there, which branches leaving
+  /// within the group hardly disturb.
+  bool continue_cylinder(const Section& parent, const Group& group, Section& s) const {
+    const double noise = std::max(settings_.noise_m, 0.05 * parent.radius_m);
+    if (parent.radius_m < 2.5 * settings_.noise_m || group.points.size() < 10) return false;
+    Vec3 u, v;
+    plane_frame(parent.direction, u, v);
+    std::vector<Eigen::Vector2d> flat;
+    double along = 0, near = 0;
+    for (const std::uint32_t p : group.points) {
+      const Vec3 d = points_[p] - parent.centre;
+      flat.emplace_back(d.dot(u), d.dot(v));
+      if (std::abs(flat.back().norm() - parent.radius_m) > 3 * noise) continue;
+      along += d.dot(parent.direction);
+      near += 1;
+    }
+    if (near < 8 || along <= 0) return false;
+    along /= near;
+    CircleFit foretold;
+    foretold.ok = true;
+    foretold.radius = parent.radius_m;
+    const CircleFit fit = robust_circle(flat, foretold, noise);
+    if (!fit.ok || fit.coverage < 0.35 || fit.inliers < 8 || fit.radius < 0.65 * parent.radius_m ||
+        fit.radius > 1.12 * parent.radius_m || fit.centre.norm() > 0.4 * parent.radius_m)
+      return false;
+    s.centre = parent.centre + along * parent.direction + fit.centre.x() * u + fit.centre.y() * v;
+    s.radius_m = 0.5 * (fit.radius + parent.radius_m);
+    const Vec3 ahead = s.centre - parent.centre;
+    const double share = ahead.norm() / (ahead.norm() + 2 * parent.radius_m);
+    s.direction = ((1 - share) * parent.direction + share * ahead.normalized()).normalized();
+    return true;
+  }
+
+  double extent(const Group& group, const Vec3& direction) const {
+    double square = 0;
+    for (const std::uint32_t p : group.points) {
+      const Vec3 d = points_[p] - group.mean;
+      square += (d - direction * d.dot(direction)).squaredNorm();
+    }
+    return std::sqrt(square / static_cast<double>(group.points.size()));
+  }
+
+  void add(std::int32_t index, const Section& parent, Group& group) {
+    Section s = successor(index, parent, group);
+    s.extent_m = extent(group, s.direction);
+    s.points = std::move(group.points);
+    sections_.push_back(std::move(s));
+  }
+
+  Section successor(std::int32_t index, const Section& parent, const Group& group) const {
+    Section s;
+    s.parent = index;
+    // Where the group touches its parent tells whether it goes on or leaves sideways.
+    Vec3 from = Vec3::Zero();
+    double links = 0, narrowest = 1e300;
+    for (const std::uint32_t p : group.points) {
+      const std::uint32_t q = paths_.parent[p];
+      if (q == Paths::kNone || group_[q] == group_[p]) continue;
+      from += points_[q];
+      links += 1;
+      narrowest = std::min(narrowest, (points_[p] - points_[q]).norm());
+    }
+    s.after_gap = links > 0 && narrowest > 4 * graph_.typical_spacing_m;
+    if (group.main && continue_cylinder(parent, group, s)) return s;
+    const Vec3 ahead = group.mean - parent.centre;
+    const double along = ahead.dot(parent.direction);
+    const double aside = (ahead - parent.direction * along).norm();
+    const bool goes_on = aside <= 0.6 * parent.radius_m + settings_.noise_m && along > 0;
+    // In a crotch the cross-section is no circle for a while, and behind others' wood too little is seen:
+    // thick wood keeps its course.
+    if (group.main && parent.radius_m > 4 * settings_.noise_m && along > 0 &&
+        parent.coasted_m + along < 5 * parent.radius_m) {
+      s.centre = parent.centre + along * parent.direction;
+      s.direction = parent.direction;
+      s.radius_m = 0.99 * parent.radius_m;
+      s.coasted_m = parent.coasted_m + along;
+      return s;
+    }
+    Vec3 direction;
+    if (goes_on) {
+      direction = parent.direction + 0.6 * ahead.normalized();
+    } else {
+      const Vec3 start = links > 0 ? Vec3(from / links) : parent.centre;
+      const Vec3 run = group.mean - start;
+      direction = run.norm() > 1e-9 ? Vec3(run.normalized() + 0.5 * ahead.normalized()) : ahead;
+    }
+    s.direction = direction.norm() > 1e-9 ? direction.normalized() : parent.direction;
+    const SpaceCircle circle = circle_along(points_, group.points, group.mean, s.direction);
+    const CircleFit& fit = circle.fit;
+    const double most = (goes_on ? 1.6 : 1.0) * parent.radius_m + settings_.noise_m;
+    if (fit.ok && group.points.size() >= 12 && fit.coverage > 0.4 && fit.radius < most) {
+      s.centre = circle.centre;
+      s.radius_m = fit.radius;
+      if (goes_on)  // thickness changes slowly along a branch
+        s.radius_m =
+            0.5 * (fit.radius + std::clamp(fit.radius, 0.6 * parent.radius_m, 1.2 * parent.radius_m));
+    } else {
+      s.centre = group.mean;
+      const double rms = extent(group, s.direction);
+      s.radius_m = std::min(rms, parent.radius_m * 1.05);
+      if (goes_on && parent.radius_m > 4 * settings_.noise_m) {
+        // Too little is seen: the section before tells size and place.
+        s.radius_m = std::max(s.radius_m, 0.97 * parent.radius_m);
+        s.centre = parent.centre + parent.direction * along;
+      }
+    }
+    return s;
+  }
+
+  const std::vector<Vec3>& points_;
+  const PointGraph& graph_;
+  const Paths& paths_;
+  PathChildren children_;
+  std::vector<std::uint32_t> group_;
+  std::vector<Section> sections_;
+  std::vector<float> end_;  // path length at which each section ends
+  std::uint32_t next_group_ = 0;
+  Settings settings_{};
+};
+
+}  // namespace
+
+std::vector<Section> cut_sections(const std::vector<Vec3>& points, const PointGraph& graph,
+                                  const Paths& paths, const std::vector<Foot>& feet, Progress& progress) {
+  progress.begin("sections", 0, "sections");
+  std::vector<Section> sections = Cutter(points, graph, paths).cut(feet, progress);
+  progress.end();
+  return sections;
+}
+
+}  // namespace dendrofit

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The program itself, run as a user runs it: exit codes, files, bytes.
+#include "core/atomic_file.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/shared_data.h"
+
+#include <cstdlib>
+#include <map>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+
+namespace dendrofit {
+namespace {
+
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int code = -1;
+  std::string out;
+  std::string err;
+};
+
+/// Runs `dendrofit ARGUMENTS` (shell words) with `before` put before it.
+Outcome run(const std::string& arguments, const std::string& before = "") {
+  const test::ScratchFolder scratch;
+  const std::string command = before + " " DENDROFIT_PROGRAM " " + arguments + " >" +
+                              (scratch / "out").string() + " 2>" + (scratch / "err").string() + " </dev/null";
+  const int status = std::system(command.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), test::content_of(scratch / "out"),
+          test::content_of(scratch / "err")};
+}
+
+std::map<std::string, std::string> files_in(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file())
+      files[fs::relative(entry.path(), folder).string()] = test::content_of(entry.path());
+  return files;
+}
+
+std::string sample(const std::string& name) {
+  return (fs::path(DENDROFIT_SOURCE_DIR) / "data_samples" / name).string();
+}
+
+TEST(Program, help_and_version_succeed_everywhere) {
+  EXPECT_EQ(run("--version").code, 0);
+  const Outcome help = run("--help");
+  EXPECT_EQ(help.code, 0);
+  EXPECT_THAT(help.out, HasSubstr("reconstruct"));
+  for (const char* command : {"run", "reconstruct", "fit", "grow", "leaves", "info", "convert"}) {
+    const Outcome page = run(std::string(command) + " --help");
+    EXPECT_EQ(page.code, 0) << command;
+    EXPECT_THAT(page.out, HasSubstr("Example: dendrofit " + std::string(command)));
+  }
+}
+
+TEST(Program, wrong_usage_is_2_bad_input_3_no_answer_4) {
+  const test::ScratchFolder scratch;
+  EXPECT_EQ(run("").code, 2);
+  EXPECT_EQ(run("prune tree.las").code, 2);
+  EXPECT_EQ(run("info").code, 2);
+  EXPECT_EQ(run("info " + sample("young_tree.las") + " --no-such-option").code, 2);
+  EXPECT_EQ(run("reconstruct " + sample("young_tree.las")).code, 2);  // no -o
+
+  const Outcome missing = run("reconstruct nowhere.las -o " + (scratch / "a").string());
+  EXPECT_EQ(missing.code, 3);
+  EXPECT_THAT(missing.err, HasSubstr("nowhere.las"));
+  EXPECT_EQ(run("grow standard --set xm=-5 -o " + (scratch / "b").string()).code, 3);
+
+  // a level sheet of points: a fine cloud, no tree
+  std::string sheet;
+  for (int i = 0; i < 40; ++i)
+    for (int j = 0; j < 40; ++j) sheet += std::to_string(i * 0.05) + " " + std::to_string(j * 0.05) + " 0\n";
+  write_file(scratch / "sheet.xyz", sheet);
+  const Outcome no_stem =
+      run("reconstruct " + (scratch / "sheet.xyz").string() + " -o " + (scratch / "c").string());
+  EXPECT_EQ(no_stem.code, 4) << no_stem.err;
+  EXPECT_FALSE(fs::exists(scratch / "c" / "qsm.csv"));
+}
+
+TEST(Program, a_crown_without_a_stem_is_refused_with_a_reason) {
+  const fs::path cloud = test::shared_data("real/impolite/crown_only_no_stem.las");
+  DENDROFIT_NEED(cloud);
+  const test::ScratchFolder scratch;
+  const Outcome outcome = run("run " + cloud.string() + " -o " + (scratch / "out").string());
+  EXPECT_EQ(outcome.code, 4);
+  EXPECT_THAT(outcome.err, HasSubstr("stem"));
+}
+
+TEST(Program, existing_results_are_not_overwritten_without_force) {
+  const test::ScratchFolder scratch;
+  const std::string grow = "grow standard --cycles 4 -o " + (scratch / "tree").string();
+  EXPECT_EQ(run(grow).code, 0);
+  const auto before = files_in(scratch / "tree");
+  EXPECT_EQ(run(grow + " --seed 2").code, 2);
+  EXPECT_EQ(files_in(scratch / "tree"), before);
+  EXPECT_EQ(run(grow + " --force").code, 0);
+}
+
+TEST(Program, json_is_one_object_and_nothing_else) {
+  const Outcome info = run("info --json " + sample("young_tree.las"));
+  ASSERT_EQ(info.code, 0);
+  const auto json = nlohmann::json::parse(info.out);
+  EXPECT_EQ(json.at("format"), "las");
+  EXPECT_GT(json.at("points").get<int>(), 10000);
+  const test::ScratchFolder scratch;
+  const Outcome grown = run("grow --json standard --cycles 5 -o " + (scratch / "t").string());
+  EXPECT_EQ(nlohmann::json::parse(grown.out).at("last_cycle"), 5);
+}
+
+TEST(Program, an_option_of_the_config_file_works_as_on_the_command_line) {
+  const test::ScratchFolder scratch;
+  write_file(scratch / "c.toml", "cycles = 6\nseed = 3\n");
+  ASSERT_EQ(
+      run("grow standard --config " + (scratch / "c.toml").string() + " -o " + (scratch / "a").string()).code,
+      0);
+  ASSERT_EQ(run("grow standard --cycles 6 --seed 3 -o " + (scratch / "b").string()).code, 0);
+  EXPECT_EQ(test::content_of(scratch / "a" / "qsm.csv"), test::content_of(scratch / "b" / "qsm.csv"));
+  write_file(scratch / "bad.toml", "cycels = 6\n");
+  const Outcome bad =
+      run("grow standard --config " + (scratch / "bad.toml").string() + " -o " + (scratch / "x").string());
+  EXPECT_EQ(bad.code, 3);
+  EXPECT_THAT(bad.err, HasSubstr("cycles"));
+}
+
+TEST(Determinism, the_main_job_gives_the_same_bytes_for_any_number_of_threads) {
+  const test::ScratchFolder scratch;
+  const auto main_job = [&](const std::string& folder, const std::string& extra) {
+    const Outcome outcome = run("run " + sample("young_tree.las") + " --budget 24 --age 8 -o " +
+                                (scratch / folder).string() + " " + extra);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    auto files = files_in(scratch / folder);
+    EXPECT_TRUE(files.erase("report.html"));  // holds the times of the stages
+    // leaves.json tells how long the leaves took; all else must agree
+    auto leaves = nlohmann::json::parse(files["leaves.json"]);
+    leaves.erase("seconds");
+    files["leaves.json"] = leaves.dump();
+    return files;
+  };
+  const auto one = main_job("one", "--threads 1");
+  for (const char* name :
+       {"qsm.csv", "metrics.json", "fit.json", "params.toml", "growth.csv", "leaves.csv", "leaves.json",
+        "leaves.obj", "tree.obj", "tree.glb", "leaves.glb", "side_by_side.png", "run.toml"})
+    EXPECT_TRUE(one.count(name)) << name;
+  const auto two = main_job("two", "--threads 2");
+  ASSERT_EQ(one.size(), two.size());
+  for (const auto& [name, content] : one) EXPECT_EQ(content == two.at(name), true) << name;
+  EXPECT_NE(main_job("other", "--seed 2").at("leaves.csv"), one.at("leaves.csv"));
+}
+
+TEST(Program, ctrl_c_leaves_nothing_half_written) {
+  const test::ScratchFolder scratch;
+  const Outcome outcome =
+      run("fit " + sample("young_tree_truth.csv") + " --budget 100000 -o " + (scratch / "out").string(),
+          "timeout -s INT -k 30 2");
+  // timeout reports 124 when it had to signal; the program's own code stands in its message
+  EXPECT_TRUE(outcome.code == 124 || outcome.code == 130) << outcome.code << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("stopped"));
+  EXPECT_TRUE(files_in(scratch / "out").empty());
+}
+
+TEST(Program, fitted_parameters_regrow_the_fitted_tree) {
+  const test::ScratchFolder scratch;
+  ASSERT_EQ(
+      run("fit " + sample("young_tree_truth.csv") + " --budget 10 --age 8 -o " + (scratch / "fit").string())
+          .code,
+      0);
+  const auto fit = nlohmann::json::parse(test::content_of(scratch / "fit" / "fit.json"));
+  const std::string seed = std::to_string(fit.at("best_seed").get<std::uint64_t>());
+  ASSERT_EQ(run("grow " + (scratch / "fit" / "params.toml").string() + " --seed " + seed + " -o " +
+                (scratch / "again").string())
+                .code,
+            0);
+  const auto first = nlohmann::json::parse(test::content_of(scratch / "fit" / "regrown" / "metrics.json"));
+  const auto again = nlohmann::json::parse(test::content_of(scratch / "again" / "metrics.json"));
+  EXPECT_NEAR(first.at("height_m"), again.at("height_m"), 1e-9);
+  EXPECT_NEAR(first.at("total_volume_m3"), again.at("total_volume_m3"), 1e-9);
+}
+
+}  // namespace
+}  // namespace dendrofit
