@@ -13,6 +13,8 @@ constexpr auto kCommands = std::to_array<CommandRow>({
      "dendrofit run tree.las -o result", &make_run},
     {"reconstruct", "scan -> skeleton, cylinder model (QSM) and metrics",
      "dendrofit reconstruct tree.las -o result", &make_reconstruct},
+    {"growth", "fit growth equations to measurements over time", "dendrofit growth heights.csv -o curves",
+     &make_growth},
     {"fit", "find the growth parameters under which trees like the scanned one grow",
      "dendrofit fit qsm.csv -o result --age 20", &make_fit},
     {"grow", "grow a tree, cycle by cycle", "dendrofit grow standard -o tree --cycles 15", &make_grow},

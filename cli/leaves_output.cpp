@@ -49,7 +49,9 @@ std::string leaves_json(const LeafResult& result) {
   json["achieved"] = {{"area_m2", r.achieved_area_m2}, {"count", r.achieved_count}, {"lai", r.lai}};
   json["shortfall"] = {{"area_m2", r.shortfall_m2}, {"reason", r.shortfall_reason}};
   json["crown_area_m2"] = r.crown_area_m2;
-  json["bearing_wood"] = {{"length_m", r.bearing_length_m}, {"max_radius_m", r.bearing_radius_m}};
+  json["bearing_wood"] = {{"length_m", r.bearing_length_m},
+                          {"max_radius_m", r.bearing_radius_m},
+                          {"added_twigs_m", r.added_twigs_m}};
   Json& distributions = json["distributions"] = Json::object();
   for (const LeafDistribution& d : r.distributions) distributions[d.name] = distribution_json(d);
   Json& bins = json["height_bins"] = Json::array();

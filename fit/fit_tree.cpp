@@ -25,7 +25,7 @@ constexpr int kNoiseSeeds = 24;
 constexpr double kIdentifiableShrinkage = 0.3;
 constexpr double kOldestYearly = 30;  // older trees: a cycle is several years
 constexpr double kCyclesOfOldTrees = 24;
-constexpr double kPoorCost = 9;  // 3 sd a descriptor
+constexpr double kPoorCost = 4;  // 2 sd a descriptor
 // First keys of the three kinds of evaluation, so that no two share a seed.
 constexpr std::uint64_t kBankKeys = 0;
 constexpr std::uint64_t kSearchKeys = 1'000'000;

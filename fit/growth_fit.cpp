@@ -279,7 +279,8 @@ std::optional<GrowthVector> set_limits(GrowthFit& fit, const GrowthProblem& prob
                                        const GrowthVector& natural, int degrees,
                                        const GrowthOptions& options) {
   const double quantile = student_t_two_sided(options.confidence, degrees);
-  fit.profiled = options.profile_intervals && options.loss == GrowthLoss::none && fit.rss > 0;
+  // Without scatter there is nothing to profile.
+  fit.profiled = options.profile_intervals && options.loss == GrowthLoss::none && fit.relative_offset > 0;
   for (int i = 0; i < problem.curve->size(); ++i) {
     GrowthParameter& parameter = fit.parameters[i];
     if (parameter.fixed) continue;
@@ -408,6 +409,15 @@ GrowthFit fit_growth_equation(const MeasurementSeries& given, const std::string&
     fit.residual_lag1 = lag1_correlation(fit.residuals);
     set_information_criteria(fit, data, free);
     if (!active.empty()) set_covariance(fit, problem, best.c, active, options);
+    // Richards with d -> 0 and Chapman-Richards with c -> infinity are the Gompertz.
+    if ((equation == "richards" && natural[3] < 1e-3) ||
+        (equation == "chapman_richards" && natural[2] > 1e3)) {
+      fit.status = GrowthStatus::no_finite_optimum;
+      fit.reason = limiting_shape(series, equation);
+      fit.covariance.resize(0, 0);
+      for (GrowthParameter& parameter : fit.parameters) parameter.value = kGrowthNaN;
+      return fit;
+    }
     const bool blind = !active.empty() && !(fit.scaled_condition < 1e8);
     if (blind || is_step(curve, natural, data, free)) {
       fit.status = GrowthStatus::ill_conditioned;

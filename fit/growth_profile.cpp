@@ -75,7 +75,8 @@ double find_limit(Profile& profile, const ProfilePoint& start, double side, doub
   double step = first_step;
   ProfilePoint outer;
   const double endless = logarithmic ? kEndlessLog : kEndlessLinear * first_step;
-  for (;;) {
+  for (int tries = 0;; ++tries) {
+    if (tries == 400) return side * kInfinity;
     double x = inner.x + side * step;
     const bool last = side * (x - end) >= 0;
     if (last) x = end;
@@ -92,6 +93,7 @@ double find_limit(Profile& profile, const ProfilePoint& start, double side, doub
     inner = next;
     const double newton = next.slope * side > 0 ? (threshold - next.z) / (next.slope * side) : kInfinity;
     step = std::clamp(1.05 * newton, 0.1 * step, 2.5 * step);
+    step = std::max(step, 1e-12 * (std::abs(start.x) + first_step));
   }
   if (std::isinf(outer.z)) outer.slope = 0;
   // Newton from the nearer side, halving where it leaves the bracket.

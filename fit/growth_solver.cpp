@@ -99,7 +99,7 @@ bool is_exact(const GrowthProblem& problem, double rss) {
   double squares = 0;
   for (int i = 0; i < problem.data->size(); ++i)
     squares += problem.data->weight[i] * problem.data->value[i] * problem.data->value[i];
-  return rss <= 1e-28 * squares;
+  return rss <= 1e-25 * squares;
 }
 
 std::unique_ptr<ceres::LossFunction> ceres_loss(GrowthLoss loss, double scale) {
@@ -185,6 +185,8 @@ GrowthSolution solve_with_ceres(const GrowthProblem& problem, const GrowthVector
   options.num_threads = 1;
   options.linear_solver_type = ceres::DENSE_QR;
   options.max_num_iterations = most_iterations;
+  options.max_num_consecutive_invalid_steps =
+      most_iterations + 1;         // giving up earlier would write to the log
   options.function_tolerance = 0;  // the default, 1e-6, stops digits too early
   options.gradient_tolerance = 0;
   options.parameter_tolerance = 1e-14;
@@ -219,7 +221,7 @@ void gauss_newton(const GrowthProblem& problem, GrowthSolution& at) {
     }
     if (active.empty() || here.offset == 0 || is_exact(problem, rss)) {
       at.converged = true;
-      at.relative_offset = active.empty() ? 0 : at.relative_offset;
+      at.relative_offset = 0;  // nothing left to move, or nothing left of the residuals
       return;
     }
     if (!closer && (at.relative_offset < 1e-9 || iteration > 20)) break;
@@ -285,6 +287,7 @@ GrowthSolution minimize_directly(const GrowthProblem& problem, const GrowthVecto
     const Tangent here = tangent(jacobian, active, residuals);
     at.relative_offset = here.offset;
     if (active.empty() || here.offset <= offset_tolerance || is_exact(problem, at.rss)) {
+      if (active.empty() || is_exact(problem, at.rss)) at.relative_offset = 0;
       at.converged = true;
       return at;
     }

@@ -107,8 +107,8 @@ Allometry fit_allometry(const std::vector<Limb>& limbs, const NodeValues& beyond
 
 /// One limb's radii and their weights from what was seen and what the tree's allometry expects.
 void weigh(Limb& limb, const std::vector<double>& beyond, const std::vector<Sight>& sights,
-            const Allometry& allometry,
-            double noise, std::vector<double>& radius, std::vector<double>& weight) {
+           const Allometry& allometry, double noise, std::vector<double>& radius,
+           std::vector<double>& weight) {
   const std::size_t n = limb.nodes.size();
   radius.assign(n, 0);
   weight.assign(n, 0);

@@ -6,6 +6,7 @@
 #include "recon/foot.h"
 #include "recon/forks.h"
 #include "recon/graph.h"
+#include "recon/mend.h"
 #include "recon/preprocess.h"
 #include "recon/radii.h"
 #include "recon/sections.h"
@@ -80,16 +81,25 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   clock.mark("foot");
 
   const Parts parts = connected_parts(graph, open);
-  const std::vector<Bridge> bridges = bridge_gaps(scan.points, graph, parts, graph_options, progress);
+  std::vector<Bridge> bridges = bridge_gaps(scan.points, graph, parts, graph_options, progress);
   clock.mark("gaps");
 
-  const Paths paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);
-  result.tree_points = paths.order.size();
-  result.stray_points = scan.points.size() - paths.order.size();
+  Paths paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);
   clock.mark("paths");
 
-  const std::vector<Section> sections = cut_sections(scan.points, graph, paths, tree_feet, progress);
+  std::vector<Section> sections = cut_sections(scan.points, graph, paths, tree_feet, progress);
   clock.mark("sections");
+
+  const std::vector<Bridge> mended =
+      mend_cut_branches(scan.points, sections, graph.typical_spacing_m, options.max_gap_m);
+  if (!mended.empty()) {
+    bridges.insert(bridges.end(), mended.begin(), mended.end());
+    paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);
+    sections = cut_sections(scan.points, graph, paths, tree_feet, progress);
+  }
+  result.tree_points = paths.order.size();
+  result.stray_points = scan.points.size() - paths.order.size();
+  clock.mark("mending");
 
   std::vector<Limb> limbs = make_limbs(scan.points, sections, graph.typical_spacing_m,
                                        SkeletonOptions{.shortest_limb_m = options.shortest_limb_m});

@@ -4,8 +4,10 @@
 #include "recon/cylinder_fit.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <span>
 
 namespace dendrofit {
@@ -151,21 +153,49 @@ class Cutter {
     }
   }
 
-  /// Thick wood has one successor: all groups within its prolonged cylinder, and those that a crotch joins to it.
+  /// Number of 24 sectors of the section's prolonged surface in which a group has points.
+  int sectors_of(const Group& group, const Section& s) const {
+    Vec3 u, v;
+    plane_frame(s.direction, u, v);
+    const double reach = std::max(2 * settings_.noise_m, 0.2 * s.radius_m);
+    std::uint32_t seen = 0;
+    for (const std::uint32_t p : group.points) {
+      const Vec3 d = points_[p] - s.centre;
+      const double x = d.dot(u), y = d.dot(v);
+      if (std::abs(std::hypot(x, y) - s.radius_m) > reach) continue;
+      seen |= 1U << static_cast<int>(std::min(23.0, 12 * (std::atan2(y, x) / std::numbers::pi + 1)));
+    }
+    return std::popcount(seen);
+  }
+
+  /// Thick wood has one successor: all groups within its prolonged cylinder are one, and a group that a
+  /// crotch joins to the wood is part of it where it holds most of the surface.
   void merge_within(std::vector<Group>& groups, const Section& parent) const {
     if (parent.radius_m < 2 * settings_.noise_m) return;
-    Group* main = nullptr;
+    std::vector<Group*> within, joined;
+    int sectors = 0;
     for (Group& g : groups) {
       const double share = share_within(g, parent);
-      if (share < 0.5 && (share < 0.2 || share * static_cast<double>(g.points.size()) < 8)) continue;
-      if (!main) {
-        main = &g;
-        main->main = true;
-        continue;
+      if (share >= 0.5) {
+        within.push_back(&g);
+        sectors += sectors_of(g, parent);
+      } else if (share >= 0.2) {
+        joined.push_back(&g);
       }
-      const auto a = static_cast<double>(main->points.size()), b = static_cast<double>(g.points.size());
-      main->mean = (a * main->mean + b * g.mean) / (a + b);
-      main->points.insert(main->points.end(), g.points.begin(), g.points.end());
+    }
+    for (Group* g : joined) {
+      const int theirs = sectors_of(*g, parent);
+      const bool holds_surface = theirs >= 8 && theirs >= 2 * sectors;
+      if (groups.size() == 1 || (!within.empty() && holds_surface)) within.push_back(g);
+    }
+    if (within.empty()) return;
+    Group& main = *within.front();
+    main.main = true;
+    for (std::size_t k = 1; k < within.size(); ++k) {
+      Group& g = *within[k];
+      const auto a = static_cast<double>(main.points.size()), b = static_cast<double>(g.points.size());
+      main.mean = (a * main.mean + b * g.mean) / (a + b);
+      main.points.insert(main.points.end(), g.points.begin(), g.points.end());
       g.points.clear();
     }
     std::erase_if(groups, [](const Group& g) { return g.points.empty(); });
@@ -204,7 +234,23 @@ class Cutter {
     return true;
   }
 
+  double extent(const Group& group, const Vec3& direction) const {
+    double square = 0;
+    for (const std::uint32_t p : group.points) {
+      const Vec3 d = points_[p] - group.mean;
+      square += (d - direction * d.dot(direction)).squaredNorm();
+    }
+    return std::sqrt(square / static_cast<double>(group.points.size()));
+  }
+
   void add(std::int32_t index, const Section& parent, Group& group) {
+    Section s = successor(index, parent, group);
+    s.extent_m = extent(group, s.direction);
+    s.points = std::move(group.points);
+    sections_.push_back(std::move(s));
+  }
+
+  Section successor(std::int32_t index, const Section& parent, const Group& group) const {
     Section s;
     s.parent = index;
     // Where the group touches its parent tells whether it goes on or leaves sideways.
@@ -218,11 +264,7 @@ class Cutter {
       narrowest = std::min(narrowest, (points_[p] - points_[q]).norm());
     }
     s.after_gap = links > 0 && narrowest > 4 * graph_.typical_spacing_m;
-    if (group.main && continue_cylinder(parent, group, s)) {
-      s.points = std::move(group.points);
-      sections_.push_back(std::move(s));
-      return;
-    }
+    if (group.main && continue_cylinder(parent, group, s)) return s;
     const Vec3 ahead = group.mean - parent.centre;
     const double along = ahead.dot(parent.direction);
     const double aside = (ahead - parent.direction * along).norm();
@@ -235,9 +277,7 @@ class Cutter {
       s.direction = parent.direction;
       s.radius_m = 0.99 * parent.radius_m;
       s.coasted_m = parent.coasted_m + along;
-      s.points = std::move(group.points);
-      sections_.push_back(std::move(s));
-      return;
+      return s;
     }
     Vec3 direction;
     if (goes_on) {
@@ -259,12 +299,7 @@ class Cutter {
             0.5 * (fit.radius + std::clamp(fit.radius, 0.6 * parent.radius_m, 1.2 * parent.radius_m));
     } else {
       s.centre = group.mean;
-      double rms = 0;
-      for (const std::uint32_t p : group.points) {
-        const Vec3 d = points_[p] - s.centre;
-        rms += (d - s.direction * d.dot(s.direction)).squaredNorm();
-      }
-      rms = std::sqrt(rms / static_cast<double>(group.points.size()));
+      const double rms = extent(group, s.direction);
       s.radius_m = std::min(rms, parent.radius_m * 1.05);
       if (goes_on && parent.radius_m > 4 * settings_.noise_m) {
         // Too little is seen: the section before tells size and place.
@@ -272,8 +307,7 @@ class Cutter {
         s.centre = parent.centre + parent.direction * along;
       }
     }
-    s.points = std::move(group.points);
-    sections_.push_back(std::move(s));
+    return s;
   }
 
   const std::vector<Vec3>& points_;

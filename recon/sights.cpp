@@ -111,7 +111,8 @@ Sights look_at_limbs(const std::vector<Vec3>& points, const std::vector<Limb>& l
         const double apparent = std::sqrt(sight.spread.square);
         sight.circle = sound_circle(view, node, apparent, options.noise_m);
         if (!sight.circle.ok && node.rough_radius_m > kArcOnly * options.noise_m) {
-          // A strip of thick wood's surface tells neither its middle nor its width: the sections' course holds.
+          // A strip of thick wood's surface tells neither its middle nor its width: the sections' course
+          // holds.
           sight.spread = {};
           sight.centre_se = 0.3 * node.rough_radius_m;
           continue;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "recon/taper.h"
 
+#include "core/errors.h"
+
 #include <algorithm>
 #include <utility>
-
-#include "core/errors.h"
 
 namespace dendrofit {
 
@@ -17,7 +17,8 @@ std::vector<double> falling_towards_tips(const std::vector<double>& value, const
   std::vector<std::vector<std::pair<double, std::int32_t>>> heap(n);
   std::vector<std::int32_t> owner(n);
   for (std::size_t i = 0; i < n; ++i) {
-    if (parent[i] >= static_cast<std::int32_t>(i)) throw InputError("taper: a parent must come before its child");
+    if (parent[i] >= static_cast<std::int32_t>(i))
+      throw InputError("taper: a parent must come before its child");
     if (!(weight[i] > 0)) throw InputError("taper: weights must be positive");
   }
   for (std::size_t i = n; i-- > 0;) {

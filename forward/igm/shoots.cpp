@@ -16,6 +16,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 // Distances in internodes: markers nearer than the first are taken, those within the second pull.
 constexpr double kNear = 2, kFar = 4;
+constexpr double kMarkerCell = 4;                    // of the grid that finds them
 constexpr double kConeCosine = 0.86602540378443865;  // 30 degrees
 constexpr double kTrunkTurn = 135 * kPi / 180;       // from one trunk lateral to the next
 constexpr double kLowest = 2;                        // internodes above the root: laterals go no lower
@@ -55,7 +56,7 @@ class Shooting {
   const Obstacles& obstacles_;
   const std::vector<ShadeProfile>& profiles_;
   std::uint64_t seed_;
-  MarkerField markers_{{}, {}, {}, 1.0};
+  MarkerField markers_;
 };
 
 // 150 - 4 (T+1) points a sprouting node, fewer where a tree would exceed its total; in the half ball about
@@ -75,7 +76,7 @@ void Shooting::scatter(const std::vector<Sprout>& sprouts, const LightField& lig
   for (const Sprout& sprout : sprouts) {
     const std::size_t tree = tree_of(sprout);
     const IgmParameters& p = stand_.parameters[tree];
-    cell = std::max(cell, kFar * p.rho_m);
+    cell = std::max(cell, kMarkerCell * p.rho_m);
     const auto i = static_cast<std::size_t>(sprout.node);
     Random random = draws(seed_, static_cast<int>(tree), cycle_, stand_.nodes.id[i], kMarkers);
     const double fair = std::min(std::max(150.0 - 4.0 * (cycle_ + 1), 10.0), p.max_markers / sprouting[tree]);

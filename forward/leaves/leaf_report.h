@@ -58,6 +58,7 @@ struct LeafReport {
   double crown_area_m2 = 0;     ///< plan hull of the leaves' positions and the bearing wood
   double bearing_length_m = 0;  ///< of wood that bears leaves
   double bearing_radius_m = 0;  ///< the thickest that does
+  double added_twigs_m = 0;     ///< of shoots added to a coarse model (Foliage::twigs)
   std::vector<LeafDistribution> distributions;
   std::vector<LeafBudgetBin> bins;
   double profile_step_m = 0.5;
