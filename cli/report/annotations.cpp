@@ -42,7 +42,7 @@ std::vector<std::pair<Rgb, std::string>> legend_of(const Panel& panel) {
 }
 
 double text_size(const RenderOptions& options) {
-  return std::clamp(options.height_px / 60.0, 8.0, 20.0);
+  return std::clamp(options.height_px / 48.0, 8.0, 24.0);
 }
 
 }  // namespace

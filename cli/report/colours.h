@@ -18,13 +18,14 @@ enum class TreeColour { order, quality, radius, birth_cycle, bark };
 /// green, ...
 inline constexpr std::array<Rgb, 7> kOrderColours = {{{0, 90, 160},
                                                       {213, 94, 0},
-                                                      {0, 140, 105},
-                                                      {204, 121, 167},
-                                                      {86, 160, 220},
+                                                      {0, 120, 85},
+                                                      {225, 150, 195},
+                                                      {60, 145, 210},
                                                       {200, 145, 0},
                                                       {110, 110, 110}}};
 inline constexpr Rgb kBark = {124, 98, 76};
 inline constexpr Rgb kLeaf = {86, 140, 56};
+inline constexpr Rgb kPetiole = {104, 92, 58};  ///< and the twigs that come with leaves
 inline constexpr Rgb kScan = {104, 116, 134};
 
 Rgb order_colour(int order);  ///< orders past the palette share its last colour

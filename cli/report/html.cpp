@@ -123,7 +123,7 @@ std::string HtmlTable::html() const {
     for (std::size_t c = 0; c < row.size(); ++c) {
       const std::string name = c < columns.size() ? " data-name=\"" + escape_html(columns[c]) + "\"" : "";
       out += c == 0 ? "<th scope=\"row\">" + row[c] + "</th>"
-                    : std::string("<td") + kind(c) + name + ">" + row[c] + "</td>";
+                    : std::string("<td") + kind(c) + name + "><span>" + row[c] + "</span></td>";
     }
     out += "</tr>\n";
   }

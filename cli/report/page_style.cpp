@@ -28,7 +28,7 @@ figcaption { font-weight: 600; margin-bottom: 4px; }
 .plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 370px), 1fr)); gap: 18px; }
 .plot { background: var(--card); border: 1px solid var(--line); border-radius: 8px; padding: 12px 12px 6px; break-inside: avoid; }
 .plot > svg { width: 100%; height: auto; display: block; }
-.plot text { font: 12.5px system-ui, "Segoe UI", Roboto, "DejaVu Sans", Arial, sans-serif; fill: #3b4249; }
+.plot text { font: 13px system-ui, "Segoe UI", Roboto, "DejaVu Sans", Arial, sans-serif; fill: #3b4249; }
 .plot text.label { fill: var(--quiet); }
 .plot text.small { font-size: 11px; fill: var(--quiet); }
 .plot .grid { stroke: #e6e8e3; stroke-width: 1; }
@@ -53,6 +53,7 @@ footer { color: var(--quiet); font-size: .86rem; padding-top: 26px; padding-bott
 #viewer canvas { display: block; width: 100%; height: 100%; outline-offset: -3px; }
 #viewer .bar { display: flex; flex-wrap: wrap; gap: 8px 18px; align-items: center; padding: 10px 14px; border-bottom: 1px solid var(--line); font-size: .93rem; }
 #viewer .bar + .stage + .bar { border-bottom: 0; border-top: 1px solid var(--line); }
+#viewer .views { display: inline-flex; gap: 6px; }
 #viewer label { display: inline-flex; align-items: center; gap: 6px; min-height: 28px; }
 #viewer input[type=checkbox] { width: 18px; height: 18px; margin: 0; }
 #viewer input[type=range] { width: min(340px, 56vw); }
@@ -65,7 +66,10 @@ footer { color: var(--quiet); font-size: .86rem; padding-top: 26px; padding-bott
 @media (max-width: 640px) {
   body { font-size: 15px; }
   main, header, footer { padding-left: 12px; padding-right: 12px; }
-  #viewer .stage { height: 62vh; }
+  #viewer .stage { height: 46vh; }
+  #viewer .bar { gap: 4px 14px; padding: 8px 10px; }
+  .picture { overflow-x: auto; }
+  .picture img { width: 900px; max-width: none; }
   table.cards thead { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
   table.cards tr { display: block; border-bottom: 1px solid var(--line); padding: 6px 0; }
   table.cards th, table.cards td { display: flex; justify-content: space-between; gap: 14px; border: 0; padding: 2px 10px; text-align: right; }
@@ -79,6 +83,10 @@ footer { color: var(--quiet); font-size: .86rem; padding-top: 26px; padding-bott
   #view { display: none; }
   h2 { break-after: avoid; }
   .plots { grid-template-columns: 1fr 1fr; gap: 8px; }
+  .facts { grid-template-columns: repeat(5, 1fr); gap: 6px; }
+  .facts b { font-size: 1.1rem; }
+  .scroll table { font-size: 9.5pt; }
+  th, td { padding: 3px 8px; }
   .plot, .facts li, .warnings { break-inside: avoid; }
   tr { break-inside: avoid; }
   .scroll { overflow: visible; }

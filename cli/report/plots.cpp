@@ -90,25 +90,27 @@ std::string branches(const ReportData& data, bool angles) {
   std::vector<std::pair<BranchValues, PlotStyle>> trees;
   if (data.model && !data.model->empty()) trees.emplace_back(branch_values(*data.model), kScanStyle);
   if (data.regrown && !data.regrown->empty()) trees.emplace_back(branch_values(*data.regrown), kRegrownStyle);
-  double longest = 0;
+  double longest = 0.01;
   for (const auto& [values, style] : trees)
     for (double length : values.length_m) longest = std::max(longest, length);
-  const double top = angles ? 120 : std::max(0.05, longest);
-  const std::size_t bins = 12;
-  SvgPlot plot(angles ? "Branch angle from the parent" : "Branch length", angles ? "degrees" : "metres",
-               "share of branches (%)");
+  const double step = angles ? 10 : round_length(longest / 6);
+  const auto bins = angles ? std::size_t{12} : static_cast<std::size_t>(std::ceil(longest / step - 1e-9));
+  const double top = step * static_cast<double>(bins);
+  SvgPlot plot(angles ? "Branch angle from the parent" : "Branch length",
+               angles ? "degrees (bins from)" : "metres (bins from)", "share of branches (%)");
   for (const auto& [values, style] : trees) {
     const std::vector<double>& sample = angles ? values.angle_deg : values.length_m;
     if (sample.empty()) continue;
     std::vector<double> shares = histogram(sample, 0, top, bins);
     for (double& share : shares) share *= 100;
     plot.bars(shares, style,
-              (style.dashed ? "regrown (" : "scan (") + with_thousands(sample.size()) + " branches)");
+              (style.dashed ? "regrown (n = " : "scan (n = ") + with_thousands(sample.size()) + ")");
   }
   std::vector<std::string> names;
   for (std::size_t i = 0; i < bins; ++i) {
-    const double lo = top * static_cast<double>(i) / bins;
-    names.push_back(angles ? number(lo) + (i + 1 == bins ? "+" : "") : fixed(lo, top < 1 ? 2 : 1));
+    std::string name = number(step * static_cast<double>(i));
+    if (angles && i + 1 == bins) name.push_back('+');
+    names.push_back(name);
   }
   plot.categories(names);
   return plot.empty() ? "" : plot.figure(angles ? "plot-branch-angle" : "plot-branch-length");
@@ -182,8 +184,8 @@ std::string report_plots(const ReportData& data) {
 
 std::string parameter_plot(const std::vector<ReportParameter>& parameters) {
   constexpr double kRow = 26;
-  constexpr double kLeft = 110;
-  constexpr double kRight = 330;
+  constexpr double kLeft = 90;
+  constexpr double kRight = 296;
   std::string body;
   double y = 8;
   for (const ReportParameter& p : parameters) {

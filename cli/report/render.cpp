@@ -161,12 +161,16 @@ Image render(std::span<const Panel> panels, const RenderOptions& options, Progre
   const float room_y = static_cast<float>(options.height_px - margins.top - margins.bottom);
   View view = axes;
   view.scale = std::min(room_x / size.x(), room_y / size.y());
+  // A broad tree needs less height than there is.
+  const int height =
+      std::clamp(static_cast<int>(std::ceil(view.scale * size.y())) + margins.top + margins.bottom,
+                 std::min(options.height_px, options.panel_width_px / 2), options.height_px);
   const int width = std::clamp(static_cast<int>(std::ceil(view.scale * size.x())) + 2 * margins.side,
                                std::min(240, options.panel_width_px), options.panel_width_px);
   view.centre = 0.5f * ((all.lo.x() + all.hi.x()) * axes.right + (all.lo.y() + all.hi.y()) * axes.up);
   view.centre_x = 0.5f * static_cast<float>(width);
   // The tree stands on the bottom margin.
-  view.centre_y = static_cast<float>(options.height_px - margins.bottom) - 0.5f * view.scale * size.y();
+  view.centre_y = static_cast<float>(height - margins.bottom) - 0.5f * view.scale * size.y();
   float reach = 0;
   for (const Extent& extent : extents) reach = std::max(reach, extent.reach);
   view.distance = reach + size.norm();
@@ -197,11 +201,11 @@ Image render(std::span<const Panel> panels, const RenderOptions& options, Progre
       const bool blank = scene.triangles.empty() && scene.points.empty();
       if (!blank && options.ground && options.camera.elevation_deg > 2 && !options.camera.zoom_box)
         add_ground(0, 0, 0.62 * std::max(size.x(), 0.3f * size.y()), scene);
-      pictures[k] = draw_scene(scene, view, width, options.height_px, kSamples, shading);
+      pictures[k] = draw_scene(scene, view, width, height, kSamples, shading);
       annotate_panel(panel, options, view, blank, pictures[k]);
     }
   });
-  Image row(width * static_cast<int>(panels.size()), options.height_px, options.background);
+  Image row(width * static_cast<int>(panels.size()), height, options.background);
   for (std::size_t k = 0; k < pictures.size(); ++k) row.paste(pictures[k], width * static_cast<int>(k), 0);
   annotate_row(options, view, row);
   return row;

@@ -46,7 +46,7 @@ struct Panel {
 
 struct RenderOptions {
   int panel_width_px = 560;  ///< at most; panels are narrower where the tree is slender
-  int height_px = 900;
+  int height_px = 900;       ///< at most; less where the tree is broad
   Camera camera;
   bool ground = true;  ///< ground line (and plane, seen from above) at the anchor's height
   bool scale_bar = true;

@@ -11,8 +11,8 @@
 namespace dendrofit {
 namespace {
 
-constexpr double kWidth = 440;
-constexpr double kHeight = 300;
+constexpr double kWidth = 400;
+constexpr double kHeight = 280;
 constexpr double kLeft = 58;
 constexpr double kRight = 14;
 constexpr double kTop = 12;
@@ -206,7 +206,9 @@ std::string SvgPlot::figure(const std::string& id) const {
   if (bar_sets > 0) {
     const double slot =
         (kWidth - kLeft - kRight) / static_cast<double>(std::max<std::size_t>(1, categories_.size()));
-    const std::size_t every = 1 + categories_.size() / 11;
+    std::size_t longest = 1;
+    for (const std::string& name : categories_) longest = std::max(longest, name.size());
+    const auto every = static_cast<std::size_t>(std::ceil(7.5 * static_cast<double>(longest) / slot));
     for (std::size_t i = 0; i < categories_.size(); i += every)
       body += text(kLeft + slot * (static_cast<double>(i) + 0.5), kHeight - kBottom + 16, "middle",
                    categories_[i]);

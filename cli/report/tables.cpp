@@ -107,7 +107,7 @@ std::string warning_box(const ReportData& data) {
 
 std::string metrics_table(const ReportData& data) {
   if (!data.model_metrics && !data.regrown_metrics) return "";
-  HtmlTable table{"table-metrics", "", {"Measure", "Unit"}, {0, 0}, {}};
+  HtmlTable table{"table-metrics", "", {"Measure"}, {0}, {}};
   for (const auto& [metrics, name] :
        {std::pair{data.model_metrics, "Scan (model)"}, {data.regrown_metrics, "Regrown"}})
     if (metrics) {
@@ -115,7 +115,8 @@ std::string metrics_table(const ReportData& data) {
       table.numeric.push_back(1);
     }
   for (const MetricRow& row : metric_rows()) {
-    std::vector<std::string> cells = {row.name, row.unit};
+    const std::string unit = row.unit;
+    std::vector<std::string> cells = {row.name + (unit.empty() ? unit : " (" + unit + ")")};
     for (const TreeMetrics* metrics : {data.model_metrics, data.regrown_metrics})
       if (metrics) cells.push_back(with_interval(*metrics, row));
     table.rows.push_back(cells);

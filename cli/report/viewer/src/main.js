@@ -37,43 +37,41 @@ function start(host) {
   const orbit = new OrbitControls(camera, renderer.domElement);
   orbit.enableDamping = false;
 
-  // Scan and model stand at their own foot; the regrown tree (and its leaves) can be moved beside them.
-  const here = new Group();
-  const beside = new Group();
-  scene.add(here, beside);
+  // Three places in a row (scan, model, regrown tree), or all on the same foot.
   const parts = {};
-  const boxes = { here: new Box3(), beside: new Box3() };
-  if (layers.scan) boxes.here.union(extentOf(layers.scan));
-  if (layers.model) {
-    parts.model = new Wood(layers.model, colours);
-    here.add(parts.model.mesh);
-    boxes.here.union(extentOf(layers.model.ends));
-  }
-  if (layers.regrown) {
-    parts.regrown = new Wood(layers.regrown, colours);
-    beside.add(parts.regrown.mesh);
-    boxes.beside.union(extentOf(layers.regrown.ends));
+  const spots = ['scan', 'model', 'regrown'].map((name) => ({ name, group: new Group(), box: new Box3() }));
+  const spot = Object.fromEntries(spots.map((s) => [s.name, s]));
+  scene.add(...spots.map((s) => s.group));
+  for (const name of ['model', 'regrown']) {
+    if (!layers[name]) continue;
+    parts[name] = new Wood(layers[name], colours);
+    spot[name].group.add(parts[name].mesh);
+    spot[name].box.union(extentOf(layers[name].ends));
   }
   if (layers.scan) {
-    parts.scan = scanPoints(layers.scan, colours.scan, boxes.here.max.z);
-    here.add(parts.scan);
+    spot.scan.box.union(extentOf(layers.scan));
+    parts.scan = scanPoints(layers.scan, colours.scan, spot.scan.box.max.z);
+    spot.scan.group.add(parts.scan);
   }
   if (layers.leaves) {
     parts.leaves = leafMeshes(layers.leaves, colours.leaf);
-    (layers.leaves_on === 'model' ? here : beside).add(parts.leaves);
-    boxes[layers.leaves_on === 'model' ? 'here' : 'beside'].union(extentOf(layers.leaves.origins));
+    const bearer = spot[layers.leaves_on];
+    bearer.group.add(parts.leaves);
+    bearer.box.union(extentOf(layers.leaves.origins));
   }
-  const apart = !boxes.here.isEmpty() && !boxes.beside.isEmpty();
-  const gap = apart ? 1.1 * (boxes.here.max.x - boxes.beside.min.x) : 0;
+  const present = spots.filter((s) => !s.box.isEmpty());
   const whole = new Box3();
-  const placeRegrown = (aside) => {
-    beside.position.x = aside ? gap : 0;
-    whole.copy(boxes.here);
-    if (!boxes.beside.isEmpty()) whole.union(boxes.beside.clone().translate(beside.position));
+  const arrange = (inRow) => {
+    whole.makeEmpty();
+    for (const s of present) {
+      const left = whole.isEmpty() ? 0 : whole.max.x + 0.08 * (s.box.max.x - s.box.min.x);
+      s.group.position.x = inRow ? left - s.box.min.x : 0;
+      whole.union(s.box.clone().translate(s.group.position));
+    }
   };
-  placeRegrown(true);
-  const floor = ground(0.75 * Math.max(whole.max.x - whole.min.x, whole.max.y - whole.min.y, 0.2));
-  floor.position.x = 0.5 * (whole.min.x + whole.max.x);
+  arrange(true);
+  const floor = ground(0.6 * Math.max(whole.max.x - whole.min.x, whole.max.y - whole.min.y, 0.2));
+  floor.position.set(0.5 * (whole.min.x + whole.max.x), 0.5 * (whole.min.y + whole.max.y), 0);
   scene.add(floor);
 
   // Drawn only when something changed.
@@ -94,6 +92,7 @@ function start(host) {
     camera.aspect = width / Math.max(1, height);
     camera.updateProjectionMatrix();
     if (parts.scan) parts.scan.material.uniforms.pixels.value = 0.5 * height * renderer.getPixelRatio();
+    for (const wood of [parts.model, parts.regrown]) if (wood) wood.pixel.value = (2 * Math.tan((0.5 * camera.fov * Math.PI) / 180)) / Math.max(1, height);
     draw();
   };
   const look = (from) => {
@@ -128,7 +127,7 @@ function start(host) {
   toggle('regrown', 'Regrown tree', parts.regrown?.mesh);
   toggle('leaves', 'Leaves', parts.leaves);
   toggle('ground', 'Ground', floor);
-  if (apart) bar.append(checkbox('aside', 'Regrown beside the scan', true, (on) => { placeRegrown(on); look(slanted); }));
+  if (present.length > 1) bar.append(checkbox('row', 'Side by side', true, (on) => { arrange(on); look(slanted); }));
 
   const key = element('div', { class: 'bar', id: 'colour-key' });
   const paint = (mode) => {
@@ -150,11 +149,10 @@ function start(host) {
   const modes = [['order', 'branch order'], ['quality', 'radius quality'], ['radius', 'radius'], ['bark', 'bark']];
   if (grows) modes.splice(3, 0, ['birth', 'age of wood']);
   if (parts.model || parts.regrown) bar.append(select('colour', 'Colour by ', modes, paint));
-  bar.append(
+  bar.append(element('span', { class: 'views' },
     button('Whole', () => look(slanted), { id: 'look-whole' }),
     button('Side', () => look(new Vector3(1, 0, 0.001)), { id: 'look-side' }),
-    button('Top', () => look(new Vector3(0, -0.001, 1)), { id: 'look-top' }),
-  );
+    button('Top', () => look(new Vector3(0, -0.001, 1)), { id: 'look-top' })));
 
   const growth = element('div', { class: 'bar', id: 'growth' });
   if (grows) {
@@ -197,7 +195,7 @@ function start(host) {
     ray.setFromCamera(new Vector2((2 * (x - frame.left)) / frame.width - 1, 1 - (2 * (y - frame.top)) / frame.height), camera);
     const slack = (3 * 2 * Math.tan((0.5 * camera.fov * Math.PI) / 180)) / frame.height;  // three pixels
     let best;
-    for (const [words, wood, group] of [['Model', parts.model, here], ['Regrown', parts.regrown, beside]]) {
+    for (const [words, wood, group] of [['Model', parts.model, spot.model.group], ['Regrown', parts.regrown, spot.regrown.group]]) {
       wood?.mark(undefined);
       if (!wood?.mesh.visible) continue;
       const met = wood.meet(ray.ray.origin.clone().sub(group.position), ray.ray.direction, slack);

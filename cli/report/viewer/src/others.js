@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The scan's points, the leaves, the ground.
 import {
-  BufferAttribute, BufferGeometry, CircleGeometry, Color, GridHelper, Group, InstancedMesh, Matrix4, Mesh,
-  MeshBasicMaterial, MeshLambertMaterial, Points, ShaderMaterial, Vector3,
+  BufferAttribute, BufferGeometry, Color, GridHelper, Group, InstancedMesh, Matrix4, Mesh,
+  MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, Points, ShaderMaterial, Vector3,
 } from 'three';
 import { place } from './data.js';
 
@@ -74,16 +74,16 @@ export function leafMeshes(data, colour) {
   return group;
 }
 
-/// A pale disc with a grid whose cells are a metre (or a round part or multiple of it).
+/// A pale floor with a grid whose cells are a metre (or a round part or multiple of it).
 export function ground(reach) {
   const group = new Group();
-  const disc = new Mesh(new CircleGeometry(reach, 64), new MeshBasicMaterial({ color: '#e2e3d8' }));
   const cell = 10 ** Math.round(Math.log10(reach / 6));
-  const lines = 2 * Math.max(1, Math.floor(reach / cell));
+  const lines = 2 * Math.max(1, Math.ceil(reach / cell));
+  const plane = new Mesh(new PlaneGeometry(lines * cell, lines * cell), new MeshBasicMaterial({ color: '#e2e3d8' }));
   const grid = new GridHelper(lines * cell, lines, '#b4b7a8', '#cfd1c5');
   grid.rotation.x = Math.PI / 2;
   grid.position.z = 0.0005 * reach;
-  disc.position.z = -0.0005 * reach;
-  group.add(disc, grid);
+  plane.position.z = -0.0005 * reach;
+  group.add(plane, grid);
   return group;
 }

@@ -34,12 +34,17 @@ export class Wood {
     this.taper = new InstancedBufferAttribute(new Float32Array(2 * this.count), 2);
     geometry.setAttribute('taper', this.taper);
     const material = new MeshLambertMaterial({ side: 2 });
-    // The mesh's unit radius is stretched to the cylinder's own at each end.
+    this.pixel = { value: 0.001 };  // metres a pixel at one metre's distance
+    // The mesh's unit radius is stretched to the cylinder's own at each end, or to most of a pixel where that is more:
+    // thin twigs stay whole.
     material.onBeforeCompile = (shader) => {
+      shader.uniforms.pixel = this.pixel;
       shader.vertexShader = shader.vertexShader
-        .replace('#include <common>', '#include <common>\nattribute vec2 taper;')
+        .replace('#include <common>', '#include <common>\nattribute vec2 taper;\nuniform float pixel;')
         .replace('#include <begin_vertex>',
-          'vec3 transformed = position; transformed.xz *= mix(taper.x, taper.y, clamp(position.y, 0.0, 1.0));');
+          `float away = -(modelViewMatrix * instanceMatrix * vec4(0.0, position.y, 0.0, 1.0)).z;
+          vec3 transformed = position;
+          transformed.xz *= max(mix(taper.x, taper.y, clamp(position.y, 0.0, 1.0)), 0.4 * pixel * away);`);
     };
     const mesh = new InstancedMesh(geometry, material, this.count);
     const a = new Vector3();
