@@ -12,9 +12,11 @@ namespace dendrofit::cli {
 
 std::unique_ptr<Command> make_run();
 std::unique_ptr<Command> make_reconstruct();
+std::unique_ptr<Command> make_growth();
 std::unique_ptr<Command> make_fit();
 std::unique_ptr<Command> make_grow();
 std::unique_ptr<Command> make_leaves();
+std::unique_ptr<Command> make_scan();
 std::unique_ptr<Command> make_info();
 std::unique_ptr<Command> make_convert();
 std::unique_ptr<Command> make_view();

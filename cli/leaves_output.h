@@ -2,13 +2,14 @@
 // leaves.json: what was asked of the leaves and what came of it.
 #pragma once
 
-#include <string>
-
 #include "forward/leaves/insert_leaves.h"
+
+#include <string>
 
 namespace dendrofit::cli {
 
-/// The content of leaves.json. The only value that differs between equal runs is `seconds`.
+/// The report as a JSON object (two spaces a level). Areas one-sided, in square metres; heights above the
+/// foot.
 std::string leaves_json(const LeafResult& result);
 
 }  // namespace dendrofit::cli

@@ -9,9 +9,9 @@ find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(tomlplusplus REQUIRED)
+find_package(pugixml REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(PNG REQUIRED)
-find_package(ZLIB REQUIRED)
 
 # CGAL is header-only; its target adds -frounding-math to whoever links it, which is right only for the files that
 # use it. Those name the flag themselves and their floor links DENDROFIT_CGAL_LIBRARIES.

@@ -7,7 +7,9 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 
 find_program(DENDROFIT_CCACHE ccache)
 if(DENDROFIT_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${DENDROFIT_CCACHE})
+  # Relative to the checkout, so that several checkouts (and CI's fresh clones) share the cache.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=true
+      ${DENDROFIT_CCACHE})
 endif()
 
 add_library(dendrofit_flags INTERFACE)

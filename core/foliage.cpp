@@ -19,9 +19,14 @@ double area_of(const LeafShape& shape, const std::array<std::uint32_t, 3>& t) {
   return 0.5 * a.cross(b).norm();
 }
 
+/// The nearest multiple of 1 / kGrid: adding 1.5 * 2^52 leaves no bits for a fraction (|x| < 2e9 m).
+double on_grid(double x) {
+  constexpr double kNoFraction = 6755399441055744.0;
+  return ((x * kGrid + kNoFraction) - kNoFraction) / kGrid;
+}
+
 Vec3 on_grid(const Vec3& exact) {
-  return {std::round(exact.x() * kGrid) / kGrid, std::round(exact.y() * kGrid) / kGrid,
-          std::round(exact.z() * kGrid) / kGrid};
+  return {on_grid(exact.x()), on_grid(exact.y()), on_grid(exact.z())};
 }
 
 }  // namespace

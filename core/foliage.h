@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/mesh.h"
+#include "core/tree.h"
 #include "core/types.h"
 
 #include <array>
@@ -48,6 +49,9 @@ struct Foliage {
   std::string species;
   std::vector<LeafShape> shapes;
   std::vector<Leaf> leaves;
+  /// Shoots the leaves stand on where the tree itself ends coarser than twigs; rooted where they leave its
+  /// wood. Such a leaf's `node` is the tree's node that bears the shoot.
+  Tree twigs;
 
   std::size_t size() const { return leaves.size(); }
   double leaf_area(std::size_t i) const;

@@ -54,10 +54,10 @@ double reach_at(const DescriptorInput& in, double centre) {
   std::vector<double> band;
   for (const auto& [z, distance] : in.reach)
     if (std::abs(z - centre) <= 0.1) band.push_back(distance);
-  if (band.empty()) return 0;
+  if (band.empty()) return std::log(0.02);
   auto at = band.begin() + static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(band.size() - 1));
   std::nth_element(band.begin(), at, band.end());
-  return *at / in.height;
+  return std::log(*at / in.height + 0.02);
 }
 
 double taper(const DescriptorInput& in, double share) {
@@ -142,13 +142,13 @@ constexpr auto kTable = std::to_array<DescriptorRow>({
      [](In in) { return volume_below(in, 0.75); }},
     {"length_centroid", "", 0.03, "height of the wood length's centroid over the height",
      [](In in) { return in.length_centroid / in.height; }},
-    {"reach_20", "", 0.02, "crown radius about 0.2 of the height, over the height",
+    {"reach_20", "log", 0.08, "crown radius about 0.2 of the height, over the height",
      [](In in) { return reach_at(in, 0.2); }},
-    {"reach_40", "", 0.02, "crown radius about 0.4 of the height, over the height",
+    {"reach_40", "log", 0.08, "crown radius about 0.4 of the height, over the height",
      [](In in) { return reach_at(in, 0.4); }},
-    {"reach_60", "", 0.02, "crown radius about 0.6 of the height, over the height",
+    {"reach_60", "log", 0.08, "crown radius about 0.6 of the height, over the height",
      [](In in) { return reach_at(in, 0.6); }},
-    {"reach_80", "", 0.02, "crown radius about 0.8 of the height, over the height",
+    {"reach_80", "log", 0.08, "crown radius about 0.8 of the height, over the height",
      [](In in) { return reach_at(in, 0.8); }},
     {"crown_base", "", 0.03, "height of the lowest long branch over the height", crown_base},
     {"taper_35", "", 0.05, "stem diameter at 0.35 of the height over DBH",

@@ -21,14 +21,16 @@ namespace {
 
 constexpr int kLargestBank = 240;
 constexpr int kJudgingSeeds = 8;
+constexpr int kNoiseSeeds = 24;
 constexpr double kIdentifiableShrinkage = 0.3;
 constexpr double kOldestYearly = 30;  // older trees: a cycle is several years
 constexpr double kCyclesOfOldTrees = 24;
-constexpr double kPoorCost = 9;  // 3 sd a descriptor
+constexpr double kPoorCost = 4;  // 2 sd a descriptor
 // First keys of the three kinds of evaluation, so that no two share a seed.
 constexpr std::uint64_t kBankKeys = 0;
 constexpr std::uint64_t kSearchKeys = 1'000'000;
 constexpr std::uint64_t kJudgingKeys = 2'000'000;
+constexpr std::uint64_t kStartKeys = 3'000'000;
 
 using Points = std::vector<Eigen::VectorXd>;
 
@@ -104,12 +106,18 @@ std::vector<double> costs_of(const Eigen::MatrixXd& rows, int seeds, const Noise
   return costs;
 }
 
+std::vector<Tried> with_costs(const Points& points, const std::vector<double>& costs) {
+  std::vector<Tried> tried;
+  for (std::size_t i = 0; i < points.size(); ++i) tried.push_back({points[i], costs[i]});
+  return tried;
+}
+
 void remember(const Points& points, const std::vector<double>& costs, std::vector<Tried>& tried,
               TreeFit& fit) {
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    tried.push_back({points[i], costs[i]});
-    fit.cost_history.push_back(fit.cost_history.empty() ? costs[i]
-                                                        : std::min(fit.cost_history.back(), costs[i]));
+  for (const Tried& one : with_costs(points, costs)) {
+    tried.push_back(one);
+    fit.cost_history.push_back(
+        std::min(one.cost, fit.cost_history.empty() ? one.cost : fit.cost_history.back()));
   }
   fit.evaluations += static_cast<int>(points.size());
 }
@@ -153,18 +161,18 @@ struct Judged {
 };
 
 Judged judge(const Problem& problem, const NoiseMetric& metric, Points finalists, std::vector<Tried> tried,
-             Progress& progress) {
+             std::uint64_t first_key, Progress& progress) {
   std::stable_sort(tried.begin(), tried.end(),
                    [](const Tried& a, const Tried& b) { return a.cost < b.cost; });
   for (std::size_t i = 0; i < std::min<std::size_t>(3, tried.size()); ++i)
     finalists.push_back(tried[i].point);
   progress.begin("judging on fresh seeds", static_cast<double>(finalists.size()), "trees");
-  const Eigen::MatrixXd rows = problem.run(finalists, kJudgingSeeds, kJudgingKeys + 1, progress);
+  const Eigen::MatrixXd rows = problem.run(finalists, kJudgingSeeds, first_key, progress);
   progress.end();
   const auto costs = costs_of(rows, kJudgingSeeds, metric);
   const auto best = static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) - costs.begin());
   return {finalists[best], rows.middleRows(static_cast<Eigen::Index>(best) * kJudgingSeeds, kJudgingSeeds),
-          costs[best], kJudgingKeys + 1 + best};
+          costs[best], first_key + best};
 }
 
 /// Mean distance of each of the trees from the others: what no parameter set can get below.
@@ -281,21 +289,25 @@ TreeFit fit_tree(const Tree& observed, const FitOptions& options, Progress& prog
   const Eigen::MatrixXd simulated = problem.run(bank, 1, kBankKeys, progress);
   progress.end();
   const Eigen::MatrixXd bank_points = as_rows(bank);
-  const NoiseMetric metric(bank_points, simulated, problem.observed);
-  std::vector<Tried> tried;
-  remember(bank, costs_of(simulated, 1, metric), tried, fit);
-  const auto posterior =
-      regression_posterior(bank_points, metric.whiten(simulated), metric.whitened_observed());
-
-  // The search starts where the posterior is centred.
+  const NoiseMetric wide(bank_points, simulated, problem.observed);
+  const auto posterior = regression_posterior(bank_points, wide.whiten(simulated), wide.whitened_observed());
   Eigen::VectorXd centre(dimensions);
   for (Eigen::Index i = 0; i < dimensions; ++i) centre[i] = posterior[static_cast<std::size_t>(i)].median;
-  const Eigen::VectorXd found = search(problem, metric, centre, tried, fit, progress);
+
+  // The search starts from the better of the posterior's centre and the bank's best, and counts distances in
+  // the noise between seeds that trees there show.
+  const Judged start =
+      judge(problem, wide, {centre}, with_costs(bank, costs_of(simulated, 1, wide)), kStartKeys, progress);
+  const Eigen::MatrixXd replicates = problem.run({start.point}, kNoiseSeeds, kStartKeys + 100, progress);
+  const NoiseMetric metric(Eigen::MatrixXd(kNoiseSeeds, 0), replicates, problem.observed, &wide);
+  std::vector<Tried> tried;
+  remember(bank, costs_of(simulated, 1, metric), tried, fit);
+  const Eigen::VectorXd found = search(problem, metric, start.point, tried, fit, progress);
 
   // Both ends on fresh seeds.
   const Eigen::MatrixXd before =
       problem.run({Eigen::VectorXd::Constant(dimensions, 0.5)}, kJudgingSeeds, kJudgingKeys, progress);
-  const Judged best = judge(problem, metric, {found, centre}, tried, progress);
+  const Judged best = judge(problem, metric, {found, start.point}, tried, kJudgingKeys + 1, progress);
   const int nearest = nearest_simulation(best.simulations, metric);
 
   fit.best = problem.space.at(best.point);

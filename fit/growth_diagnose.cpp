@@ -178,6 +178,12 @@ std::string ill_conditioned(const MeasurementSeries& series, const std::string& 
          " now), or look for outliers";
 }
 
+std::string limiting_shape(const MeasurementSeries& series, const std::string& equation) {
+  return series_and_equation(series.name, equation) +
+         ": the shape runs to its limit, where this curve is a Gompertz: use Gompertz, or fix the shape "
+         "(--fix)";
+}
+
 std::string not_converged(const MeasurementSeries& series, const std::string& equation) {
   return series_and_equation(series.name, equation) +
          ": no curve of this form could be found for these measurements: check them for outliers and mixed "

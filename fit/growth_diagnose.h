@@ -33,6 +33,7 @@ std::string no_finite_optimum(const MeasurementSeries& series, const std::string
                               const GrowthOptions& options);
 std::string ill_conditioned(const MeasurementSeries& series, const std::string& equation,
                             const GrowthOptions& options);
+std::string limiting_shape(const MeasurementSeries& series, const std::string& equation);
 std::string not_converged(const MeasurementSeries& series, const std::string& equation);
 
 /// What a finished fit cannot say: endless asymptote, extrapolated X0, correlated residuals, rival minima.

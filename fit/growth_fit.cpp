@@ -108,7 +108,7 @@ std::vector<GrowthVector> starting_points(const GrowthCurve& curve, const Growth
   if (options.automatic_starts) {
     const bool many = constraints.any || options.loss != GrowthLoss::none;
     for (const GrowthVector& natural :
-         automatic_starts(curve, data, options.loss, options.loss_scale, many ? 24 : 6))
+         automatic_starts(curve, data, options.loss, options.loss_scale, many ? 40 : 6))
       starts.push_back(constrained(natural, constraints));
   }
   if (!options.start.empty()) {
@@ -133,6 +133,44 @@ bool same_minimum(const GrowthSolution& a, const GrowthSolution& b) {
   return std::abs(a.rss - b.rss) <= 1e-6 * std::max(a.rss, b.rss) || (a.c - b.c).cwiseAbs().maxCoeff() < 1e-3;
 }
 
+// A robust loss has many minima. Two further ways down: from the least-squares curve with the loss's scale
+// narrowed step by step (graduated non-convexity), and from the lowest minima a little aside in each
+// coordinate.
+void search_on_robustly(const GrowthProblem& problem, const GrowthOptions& options,
+                        std::vector<GrowthSolution>& found) {
+  const auto lower = [](const GrowthSolution& a, const GrowthSolution& b) { return a.rss < b.rss; };
+  const auto solve = [&](const GrowthVector& c, double scale) {
+    return minimize_robustly(problem, c, options.loss, scale);
+  };
+  std::vector<GrowthSolution> wide;
+  for (const GrowthSolution& solution : found)
+    wide.push_back(minimize_directly(problem, solution.c, 80, 1e-6));
+  const GrowthSolution squares = *std::min_element(wide.begin(), wide.end(), lower);
+  GrowthVector c = squares.c;
+  for (double factor = 64; factor >= 1; factor /= 1.3) c = solve(c, factor * options.loss_scale).c;
+  found.push_back(solve(c, options.loss_scale));
+  found.push_back(solve(squares.c, options.loss_scale));
+  for (int round = 0; round < 6; ++round) {
+    const GrowthSolution best = *std::min_element(found.begin(), found.end(), lower);
+    Eigen::VectorXd residuals;
+    Eigen::MatrixXd jacobian;
+    if (!problem.evaluate(best.c, residuals, &jacobian)) return;
+    bool fell = false;
+    for (int i = 0; i < problem.curve->size(); ++i)
+      for (double steps : {-2.0, -1.0, -0.5, 0.5, 1.0, 2.0}) {
+        if (problem.held[i]) continue;
+        GrowthVector aside = best.c;
+        // One step moves the curve by the loss's scale at a typical measurement.
+        aside[i] += steps * options.loss_scale * std::sqrt(static_cast<double>(residuals.size())) /
+                    std::max(jacobian.col(i).norm(), 1e-300);
+        aside[i] = std::clamp(aside[i], problem.lo[i], problem.hi[i]);
+        found.push_back(solve(aside, options.loss_scale));
+        fell |= found.back().rss < best.rss * (1 - 1e-9);
+      }
+    if (!fell) return;
+  }
+}
+
 std::optional<Optimum> find_optimum(const GrowthProblem& problem, const std::vector<GrowthVector>& starts,
                                     const GrowthOptions& options) {
   std::vector<GrowthSolution> found;
@@ -144,6 +182,7 @@ std::optional<Optimum> find_optimum(const GrowthProblem& problem, const std::vec
                         : minimize_robustly(problem, c, options.loss, options.loss_scale));
   }
   if (found.empty()) return std::nullopt;
+  if (options.loss != GrowthLoss::none) search_on_robustly(problem, options, found);
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.rss < b.rss; });
   Optimum optimum{found.front(), std::nullopt};
   if (options.loss == GrowthLoss::none) optimum.best = minimize_to_the_end(problem, optimum.best.c);
@@ -240,7 +279,8 @@ std::optional<GrowthVector> set_limits(GrowthFit& fit, const GrowthProblem& prob
                                        const GrowthVector& natural, int degrees,
                                        const GrowthOptions& options) {
   const double quantile = student_t_two_sided(options.confidence, degrees);
-  fit.profiled = options.profile_intervals && options.loss == GrowthLoss::none && fit.rss > 0;
+  // Without scatter there is nothing to profile.
+  fit.profiled = options.profile_intervals && options.loss == GrowthLoss::none && fit.relative_offset > 0;
   for (int i = 0; i < problem.curve->size(); ++i) {
     GrowthParameter& parameter = fit.parameters[i];
     if (parameter.fixed) continue;
@@ -317,10 +357,8 @@ GrowthFit fit_growth_equation(const MeasurementSeries& given, const std::string&
   const int asymptote = curve.asymptote_row();
   const bool endless_possible = !constraints.fixed[asymptote] && !constraints.bounds[asymptote].hi;
   const double largest = *std::max_element(data.value.begin(), data.value.end());
-  const std::optional<GrowthLimit> limit =
-      endless_possible && !constraints.any && options.loss == GrowthLoss::none
-          ? std::optional(fit_limit_curve(curve, data))
-          : std::nullopt;
+  const bool known_limit = endless_possible && !constraints.any && options.loss == GrowthLoss::none;
+  const GrowthLimit limit = known_limit ? fit_limit_curve(curve, data) : GrowthLimit{};
 
   for (int attempt = 0; attempt < 4; ++attempt) {
     const auto optimum = find_optimum(problem, starts, options);
@@ -339,16 +377,14 @@ GrowthFit fit_growth_equation(const MeasurementSeries& given, const std::string&
     }
 
     // Finite, or better the larger the final size?
-    double slope = 0;
-    if (limit) {
-      fit.rss_limit = limit->rss;
-      slope = limit->slope;
+    if (known_limit) {
+      fit.rss_limit = limit.rss;
     } else if (endless_possible && options.loss == GrowthLoss::none) {
       fit.rss_limit = pushed_limit(problem, best.c);
     }
     const double margin = (fit.rss_limit - fit.rss) / fit.rss_limit;
     const bool runaway = endless_possible && natural[asymptote] > 1e7 * largest;
-    const bool level = std::abs(margin) <= 1e-9 ? slope < 0 && !runaway : margin > 0;
+    const bool level = std::abs(margin) <= 1e-9 ? limit.slope < 0 && !runaway : margin > 0;
     if (endless_possible && (runaway || (std::isfinite(fit.rss_limit) && fit.rss > 0 && !level))) {
       fit.status = GrowthStatus::no_finite_optimum;
       fit.reason = no_finite_optimum(series, equation, options);
@@ -373,6 +409,15 @@ GrowthFit fit_growth_equation(const MeasurementSeries& given, const std::string&
     fit.residual_lag1 = lag1_correlation(fit.residuals);
     set_information_criteria(fit, data, free);
     if (!active.empty()) set_covariance(fit, problem, best.c, active, options);
+    // Richards with d -> 0 and Chapman-Richards with c -> infinity are the Gompertz.
+    if ((equation == "richards" && natural[3] < 1e-3) ||
+        (equation == "chapman_richards" && natural[2] > 1e3)) {
+      fit.status = GrowthStatus::no_finite_optimum;
+      fit.reason = limiting_shape(series, equation);
+      fit.covariance.resize(0, 0);
+      for (GrowthParameter& parameter : fit.parameters) parameter.value = kGrowthNaN;
+      return fit;
+    }
     const bool blind = !active.empty() && !(fit.scaled_condition < 1e8);
     if (blind || is_step(curve, natural, data, free)) {
       fit.status = GrowthStatus::ill_conditioned;

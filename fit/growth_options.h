@@ -26,6 +26,11 @@ std::string growth_weights_name(GrowthWeights weights);
 /// What varies from series to series in the mixed model.
 enum class GrowthMixedEffects { none, asymptote, asymptote_and_rate };
 
+/// What all series share in the mixed model besides the equation: the curve's shape in time (inflection or
+/// scale age), or the size at age 0 (logistic, Gompertz, monomolecular; the others start from nothing either
+/// way).
+enum class GrowthMixedForm { shape, start };
+
 /// Limits on a natural parameter, in the measurements' units.
 struct GrowthBounds {
   std::optional<double> lo;
@@ -58,6 +63,7 @@ struct GrowthOptions {
 
   bool pooled = true;  ///< also all series as one, where there are several
   GrowthMixedEffects mixed = GrowthMixedEffects::none;
+  GrowthMixedForm mixed_form = GrowthMixedForm::shape;
   bool trunk_base_unmeasured = false;  ///< the user says that the first years are missing
 
   std::string time_unit = "years";  ///< label, and what "breast height" and "calendar year" mean

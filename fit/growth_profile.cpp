@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace dendrofit {
 namespace {
@@ -28,7 +29,7 @@ class Profile {
 
   ProfilePoint at(double x, GrowthVector guess) {
     guess[coordinate_] = x;
-    const GrowthSolution inner = minimize_directly(problem_, guess, 60, 1e-7);
+    const GrowthSolution inner = minimize_directly(problem_, guess, 400, 1e-7);
     if (inner.rss < lowest_) {
       lowest_ = inner.rss;
       lowest_at_ = inner.c;
@@ -38,6 +39,14 @@ class Profile {
     if (point.z > 0 && problem_.evaluate(inner.c, residuals_, &jacobian_))
       point.slope = jacobian_.col(coordinate_).dot(residuals_) / (variance_ * point.z);
     return point;
+  }
+
+  // The lowest of several guesses.
+  ProfilePoint at(double x, const std::vector<GrowthVector>& guesses) {
+    ProfilePoint best = at(x, guesses.front());
+    for (std::size_t i = 1; i < guesses.size(); ++i)
+      if (const ProfilePoint other = at(x, guesses[i]); other.z < best.z) best = other;
+    return best;
   }
 
   double lowest() const { return lowest_; }
@@ -63,19 +72,19 @@ GrowthVector extrapolated(const ProfilePoint& a, const ProfilePoint& b, double x
 double find_limit(Profile& profile, const ProfilePoint& start, double side, double first_step,
                   double threshold, double end, bool logarithmic) {
   ProfilePoint inner = start, before = start;
-  double step = first_step, outside_z = 0;
+  double step = first_step;
   ProfilePoint outer;
-  bool bracketed = false;
   const double endless = logarithmic ? kEndlessLog : kEndlessLinear * first_step;
-  while (!bracketed) {
+  for (int tries = 0;; ++tries) {
+    if (tries == 400) return side * kInfinity;
     double x = inner.x + side * step;
     const bool last = side * (x - end) >= 0;
     if (last) x = end;
-    const ProfilePoint next = profile.at(x, extrapolated(before, inner, x));
+    ProfilePoint next = profile.at(x, extrapolated(before, inner, x));
+    // Outside, so it seems: a far guess may have ended in another valley.
+    if (next.z >= threshold) next = profile.at(x, {next.c, inner.c, start.c});
     if (next.z >= threshold) {
       outer = next;
-      outside_z = next.z;
-      bracketed = true;
       break;
     }
     if (last) return end;  // the user's bound comes first
@@ -84,15 +93,18 @@ double find_limit(Profile& profile, const ProfilePoint& start, double side, doub
     inner = next;
     const double newton = next.slope * side > 0 ? (threshold - next.z) / (next.slope * side) : kInfinity;
     step = std::clamp(1.05 * newton, 0.1 * step, 2.5 * step);
+    step = std::max(step, 1e-12 * (std::abs(start.x) + first_step));
   }
+  if (std::isinf(outer.z)) outer.slope = 0;
   // Newton from the nearer side, halving where it leaves the bracket.
-  ProfilePoint now = threshold - inner.z < outside_z - threshold && inner.z > 0 ? inner : outer;
+  ProfilePoint now = threshold - inner.z < outer.z - threshold && inner.z > 0 ? inner : outer;
   for (int i = 0; i < 60; ++i) {
     double x = now.x + (now.slope != 0 ? (threshold - now.z) / now.slope : kInfinity);
     const double lo = std::min(inner.x, outer.x), hi = std::max(inner.x, outer.x);
     if (!(x > lo && x < hi)) x = 0.5 * (lo + hi);
     if (x == now.x || hi - lo < 1e-13 * (std::abs(lo) + std::abs(hi))) return x;
     now = profile.at(x, extrapolated(inner, outer, x));
+    if (now.z > outer.z) now = profile.at(x, {now.c, inner.c, outer.c});
     if (std::abs(now.z - threshold) < 1e-10 * threshold) return now.x;
     (now.z < threshold ? inner : outer) = now;
   }

@@ -99,7 +99,7 @@ bool is_exact(const GrowthProblem& problem, double rss) {
   double squares = 0;
   for (int i = 0; i < problem.data->size(); ++i)
     squares += problem.data->weight[i] * problem.data->value[i] * problem.data->value[i];
-  return rss <= 1e-28 * squares;
+  return rss <= 1e-25 * squares;
 }
 
 std::unique_ptr<ceres::LossFunction> ceres_loss(GrowthLoss loss, double scale) {
@@ -144,8 +144,10 @@ class CurveCost : public ceres::CostFunction {
       problem_.curve->gradient(natural, data.time[i], g);
       for (std::size_t k = 0; k < free_.size(); ++k) {
         const double slope = root * g.dot(transform.col(free_[k]));
-        if (!std::isfinite(slope)) return false;
-        jacobians[0][static_cast<std::size_t>(i - first_) * free_.size() + k] = slope;
+        // Ceres writes to the log when derivatives fail at an accepted point; a flat one just ends the search
+        // there.
+        jacobians[0][static_cast<std::size_t>(i - first_) * free_.size() + k] =
+            std::isfinite(slope) ? slope : 0;
       }
     }
     return true;
@@ -162,7 +164,7 @@ GrowthSolution solve_with_ceres(const GrowthProblem& problem, const GrowthVector
                                 double scale, int most_iterations) {
   const FreeList list = free_coordinates(problem);
   GrowthSolution solution{start, problem.rss(start), kInfinity, 0, false};
-  if (list.empty()) return solution;
+  if (list.empty() || !std::isfinite(solution.rss)) return solution;
   std::vector<double> x;
   for (int i : list) x.push_back(std::clamp(start[i], problem.lo[i], problem.hi[i]));
   ceres::Problem ceres_problem;
@@ -183,6 +185,8 @@ GrowthSolution solve_with_ceres(const GrowthProblem& problem, const GrowthVector
   options.num_threads = 1;
   options.linear_solver_type = ceres::DENSE_QR;
   options.max_num_iterations = most_iterations;
+  options.max_num_consecutive_invalid_steps =
+      most_iterations + 1;         // giving up earlier would write to the log
   options.function_tolerance = 0;  // the default, 1e-6, stops digits too early
   options.gradient_tolerance = 0;
   options.parameter_tolerance = 1e-14;
@@ -217,7 +221,7 @@ void gauss_newton(const GrowthProblem& problem, GrowthSolution& at) {
     }
     if (active.empty() || here.offset == 0 || is_exact(problem, rss)) {
       at.converged = true;
-      at.relative_offset = active.empty() ? 0 : at.relative_offset;
+      at.relative_offset = 0;  // nothing left to move, or nothing left of the residuals
       return;
     }
     if (!closer && (at.relative_offset < 1e-9 || iteration > 20)) break;
@@ -283,6 +287,7 @@ GrowthSolution minimize_directly(const GrowthProblem& problem, const GrowthVecto
     const Tangent here = tangent(jacobian, active, residuals);
     at.relative_offset = here.offset;
     if (active.empty() || here.offset <= offset_tolerance || is_exact(problem, at.rss)) {
+      if (active.empty() || is_exact(problem, at.rss)) at.relative_offset = 0;
       at.converged = true;
       return at;
     }
@@ -337,10 +342,27 @@ GrowthSolution minimize_robustly(const GrowthProblem& problem, const GrowthVecto
 }
 
 std::array<double, 3> evaluate_loss(GrowthLoss loss, double scale, double squared_residual) {
-  if (loss == GrowthLoss::none) return {squared_residual, 1, 0};
-  double rho[3];
-  ceres_loss(loss, scale)->Evaluate(squared_residual, rho);
-  return {rho[0], rho[1], rho[2]};
+  std::array<double, 3> rho{squared_residual, 1, 0};
+  switch (loss) {
+    case GrowthLoss::none:
+      break;
+    case GrowthLoss::huber:
+      ceres::HuberLoss(scale).Evaluate(squared_residual, rho.data());
+      break;
+    case GrowthLoss::soft_l1:
+      ceres::SoftLOneLoss(scale).Evaluate(squared_residual, rho.data());
+      break;
+    case GrowthLoss::cauchy:
+      ceres::CauchyLoss(scale).Evaluate(squared_residual, rho.data());
+      break;
+    case GrowthLoss::arctan:
+      ceres::ArctanLoss(scale).Evaluate(squared_residual, rho.data());
+      break;
+    case GrowthLoss::tukey:
+      ceres::TukeyLoss(scale).Evaluate(squared_residual, rho.data());
+      break;
+  }
+  return rho;
 }
 
 }  // namespace dendrofit

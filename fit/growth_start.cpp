@@ -101,44 +101,64 @@ LinearFit linear_fit(const std::vector<double>& g, const GrowthData& data, const
   return fit;
 }
 
-// The same under a robust loss: from the weighted median of y/g, then reweighted.
-LinearFit robust_fit(const std::vector<double>& g, const GrowthData& data, double base, bool with_offset,
-                     GrowthLoss loss, double loss_scale) {
-  if (loss == GrowthLoss::none) return linear_fit(g, data, data.weight, base, with_offset);
-  std::vector<std::pair<double, double>> ratios;
-  for (std::size_t i = 0; i < g.size(); ++i)
-    if (g[i] > 0) ratios.emplace_back((data.value[i] - base) / g[i], g[i]);
-  if (ratios.empty()) return {};
-  std::sort(ratios.begin(), ratios.end());
-  double total = 0, sum = 0;
-  for (const auto& ratio : ratios) total += ratio.second;
-  LinearFit fit;
-  for (const auto& ratio : ratios)
-    if ((sum += ratio.second) >= 0.5 * total) {
-      fit.scale = ratio.first;
-      break;
-    }
-  for (int pass = 0; pass < 6; ++pass) {
-    std::vector<double> weight = data.weight;
-    double cost = 0;
+constexpr int kRobustScales = 60;
+
+// The same under a robust loss, which has several minima: the three lowest over a logarithmic axis of scales,
+// reweighted. `steps` tells where on that axis each is.
+std::vector<LinearFit> robust_fits(const std::vector<double>& g, const GrowthData& data, double base,
+                                   bool with_offset, GrowthLoss loss, double loss_scale,
+                                   std::vector<int>& steps) {
+  const double largest = *std::max_element(g.begin(), g.end());
+  double lowest = kInfinity, highest = 0;
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    const double ratio = (data.value[i] - base) / g[i];
+    if (!(g[i] > 1e-3 * largest) || !(ratio > 0)) continue;
+    lowest = std::min(lowest, ratio);
+    highest = std::max(highest, ratio);
+  }
+  steps.clear();
+  if (!(highest > 0)) return {};
+  std::vector<double> weight(g.size());
+  const auto evaluate = [&](LinearFit& fit) {
+    fit.cost = 0;
     for (std::size_t i = 0; i < g.size(); ++i) {
       const double residual = base + fit.offset + fit.scale * g[i] - data.value[i];
-      const auto rho = evaluate_loss(loss, loss_scale, weight[i] * residual * residual);
-      cost += rho[0];
-      weight[i] *= std::max(rho[1], 1e-12);
+      const auto rho = evaluate_loss(loss, loss_scale, data.weight[i] * residual * residual);
+      fit.cost += rho[0];
+      weight[i] = data.weight[i] * std::max(rho[1], 1e-12);
     }
-    fit.cost = fit.scale > 0 ? cost : kInfinity;
-    if (pass == 5) break;
-    const LinearFit next = linear_fit(g, data, weight, base, with_offset);
-    if (!std::isfinite(next.cost)) break;
-    fit.scale = next.scale;
-    fit.offset = next.offset;
+  };
+  std::vector<LinearFit> along(kRobustScales);
+  for (int k = 0; k < kRobustScales; ++k) {
+    along[k].scale = lowest * std::pow(highest / lowest, k / (kRobustScales - 1.0));
+    evaluate(along[k]);
   }
-  return fit;
+  std::vector<int> minima;
+  for (int k = 0; k < kRobustScales; ++k)
+    if ((k == 0 || along[k].cost <= along[k - 1].cost) &&
+        (k + 1 == kRobustScales || along[k].cost <= along[k + 1].cost))
+      minima.push_back(k);
+  std::stable_sort(minima.begin(), minima.end(), [&](int a, int b) { return along[a].cost < along[b].cost; });
+  if (minima.size() > 3) minima.resize(3);
+  std::vector<LinearFit> fits;
+  for (int k : minima) {
+    LinearFit best = along[k], fit = along[k];
+    for (int pass = 0; pass < 4; ++pass) {
+      evaluate(fit);
+      if (fit.cost < best.cost) best = fit;
+      const LinearFit next = linear_fit(g, data, weight, base, with_offset);
+      if (!std::isfinite(next.cost)) break;
+      fit.scale = next.scale;
+      fit.offset = next.offset;
+    }
+    fits.push_back(best);
+    steps.push_back(k);
+  }
+  return fits;
 }
 
 struct Cell {
-  std::array<int, 4> at{};  // grid indices; the last is the time shift's
+  std::array<int, 5> at{};  // grid indices, then the time shift's and a robust scale's
   GrowthVector natural;
   double cost = kInfinity;
 };
@@ -232,14 +252,20 @@ std::vector<GrowthVector> automatic_starts(const GrowthCurve& curve, const Growt
           if (axes.size() > 2) c[3] = axes[2][k];
           const GrowthVector unit = plain.to_natural(GrowthChart::shape, c);
           for (std::size_t q = 0; q < g.size(); ++q) g[q] = plain.value(unit, data.time[q] + shifts[s]);
-          const LinearFit fit = robust_fit(g, data, curve.base(), curve.has_offset(), loss, loss_scale);
-          if (!std::isfinite(fit.cost)) continue;
-          c[0] = std::log(fit.scale);
-          Cell cell{{i, j, k, 3 * s}, GrowthVector(curve.size()), fit.cost};
-          cell.natural.head(plain.size()) = plain.to_natural(GrowthChart::shape, c);
-          if (curve.has_offset()) cell.natural[curve.own_size()] = fit.offset;
-          if (curve.has_time_shift()) cell.natural[curve.size() - 1] = shifts[s];
-          cells.push_back(std::move(cell));
+          std::vector<int> steps{0};
+          const std::vector<LinearFit> fits =
+              loss == GrowthLoss::none
+                  ? std::vector<LinearFit>{linear_fit(g, data, data.weight, curve.base(), curve.has_offset())}
+                  : robust_fits(g, data, curve.base(), curve.has_offset(), loss, loss_scale, steps);
+          for (std::size_t q = 0; q < fits.size(); ++q) {
+            if (!std::isfinite(fits[q].cost)) continue;
+            c[0] = std::log(fits[q].scale);
+            Cell cell{{i, j, k, 3 * s, steps[q]}, GrowthVector(curve.size()), fits[q].cost};
+            cell.natural.head(plain.size()) = plain.to_natural(GrowthChart::shape, c);
+            if (curve.has_offset()) cell.natural[curve.own_size()] = fits[q].offset;
+            if (curve.has_time_shift()) cell.natural[curve.size() - 1] = shifts[s];
+            cells.push_back(std::move(cell));
+          }
         }
   std::stable_sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) { return a.cost < b.cost; });
   std::vector<const Cell*> chosen;

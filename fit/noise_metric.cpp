@@ -15,7 +15,14 @@ namespace {
 
 constexpr double kMissingPenalty = 9;      // 3 sd
 constexpr double kShrinkToDiagonal = 0.3;  // few simulations estimate correlations badly
-constexpr double kFewestShare = 0.2;       // of simulations that must have a descriptor for it to be used
+constexpr double kHuber = 3;          // sd; a descriptor that the model cannot meet must not drown the others
+constexpr double kFewestShare = 0.2;  // of simulations that must have a descriptor for it to be used
+
+/// z^2 up to kHuber, going on linearly.
+double huber(double z) {
+  z = std::abs(z);
+  return z <= kHuber ? z * z : kHuber * (2 * z - kHuber);
+}
 
 Eigen::VectorXd finite_column_means(const Eigen::MatrixXd& values) {
   Eigen::VectorXd means(values.cols());
@@ -52,19 +59,27 @@ Eigen::MatrixXd residuals_given_parameters(const Eigen::MatrixXd& theta, const E
   return (y - fitted) * std::sqrt(static_cast<double>(n) / freedom);
 }
 
+bool lends(const NoiseMetric* wider, Eigen::Index descriptor) {
+  return wider && std::isfinite(wider->noise(descriptor));
+}
+
 }  // namespace
 
 NoiseMetric::NoiseMetric(const Eigen::MatrixXd& parameters, const Eigen::MatrixXd& descriptors,
-                         const Eigen::VectorXd& observed)
+                         const Eigen::VectorXd& observed, const NoiseMetric* wider)
     : observed_(observed), mean_(finite_column_means(descriptors)) {
   for (Eigen::Index j = 0; j < observed.size(); ++j)
-    if (std::isfinite(observed[j]) && finite_share(descriptors.col(j)) >= kFewestShare) used_.push_back(j);
+    if (std::isfinite(observed[j]) && (finite_share(descriptors.col(j)) >= kFewestShare || lends(wider, j)))
+      used_.push_back(j);
   if (used_.empty())
     throw SolverError("the observed tree and the simulated ones have no descriptor in common");
   Eigen::MatrixXd filled = descriptors(Eigen::all, used_);
   for (Eigen::Index k = 0; k < filled.cols(); ++k)
     for (double& v : filled.col(k))
-      if (!std::isfinite(v)) v = mean_[used_[static_cast<std::size_t>(k)]];
+      if (!std::isfinite(v))
+        v = std::isfinite(mean_[used_[static_cast<std::size_t>(k)]])
+                ? mean_[used_[static_cast<std::size_t>(k)]]
+                : 0;
   const Eigen::MatrixXd residuals = residuals_given_parameters(parameters, filled);
   Eigen::MatrixXd covariance = residuals.transpose() * residuals / static_cast<double>(residuals.rows());
   const Eigen::VectorXd variances = covariance.diagonal();
@@ -73,7 +88,12 @@ NoiseMetric::NoiseMetric(const Eigen::MatrixXd& parameters, const Eigen::MatrixX
   for (Eigen::Index k = 0; k < covariance.cols(); ++k) {
     const Eigen::Index j = used_[static_cast<std::size_t>(k)];
     const double scan = descriptor_table()[static_cast<std::size_t>(j)].scan_error;
-    const double variance = variances[k] + scan * scan;
+    const bool lent = finite_share(descriptors.col(j)) < kFewestShare;
+    if (lent) {
+      covariance.row(k).setZero();
+      covariance.col(k).setZero();
+    }
+    const double variance = lent ? wider->noise(j) * wider->noise(j) : variances[k] + scan * scan;
     covariance(k, k) = variance;
     noise_[j] = std::sqrt(variance);
   }
@@ -90,8 +110,9 @@ double NoiseMetric::cost(const Eigen::MatrixXd& simulations, const Eigen::Vector
     difference[static_cast<Eigen::Index>(k)] = std::isfinite(d) ? d : 0;
     if (!std::isfinite(d)) penalty += kMissingPenalty;
   }
-  const double distance =
-      (whitening_ * difference).squaredNorm() / (1 + 1.0 / static_cast<double>(simulations.rows()));
+  const Eigen::VectorXd whitened =
+      whitening_ * difference / std::sqrt(1 + 1.0 / static_cast<double>(simulations.rows()));
+  const double distance = whitened.unaryExpr(&huber).sum();
   return (distance + penalty) / static_cast<double>(used_.size());
 }
 

@@ -13,9 +13,11 @@ namespace dendrofit {
 class NoiseMetric {
  public:
   /// `parameters` (unit box) and `descriptors` (NaN: missing) hold one simulation a row. The expectation is a
-  /// quadratic in each parameter; its residuals are the noise. Throws SolverError when no descriptor is left.
+  /// quadratic in each parameter; its residuals are the noise. Without columns in `parameters`, the
+  /// simulations are replicates of one parameter set. Throws SolverError when no descriptor is left. `wider`,
+  /// where given, lends its noise for descriptors that too few of these simulations have.
   NoiseMetric(const Eigen::MatrixXd& parameters, const Eigen::MatrixXd& descriptors,
-              const Eigen::VectorXd& observed);
+              const Eigen::VectorXd& observed, const NoiseMetric* wider = nullptr);
 
   /// Mean squared distance per descriptor of the observed tree from simulations of one parameter set (rows),
   /// such that 1 is what another seed of the same tree would have. A descriptor that no simulation has counts

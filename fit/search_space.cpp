@@ -100,7 +100,7 @@ SearchSpace::SearchSpace(const DirectEstimates& direct, const std::string& equat
   rows_.insert(rows_.end(), {{"k", 0.15, 0.85},
                              {"lambda", 0.46, 0.58},
                              {"mu", 0.3, 2.0},
-                             {"gamma", 0.0, 1.6},
+                             {"gamma", -1.5, 1.5},
                              {"shed_ratio", 0.05, 0.55},
                              {"branch_angle_deg", 15, 80}});
   if (cycles)

@@ -25,6 +25,8 @@ struct LasHeader {
   double offset[3] = {};
   std::string crs_wkt;  ///< WKT as stated, or "EPSG:n" from GeoTIFF keys
   std::string software;
+  std::uint32_t chunk_points =
+      0;  ///< of compressed points: points a chunk, 2^32 - 1 where it varies; 0 without its record
 };
 
 /// Smallest record of each point format.
@@ -33,7 +35,22 @@ std::uint32_t las_record_length(int point_format);
 /// Reads and checks the header and the variable length records; does not look at the points. Throws IoError.
 LasHeader read_las_header(const FileBytes& bytes);
 
-/// Decodes header.point_count records that lie one after another from `records`, which must hold them all.
-PointCloud decode_las_points(const LasHeader& header, const char* records, Progress& progress);
+/// Decodes records, in as many pieces as they come, into a cloud in world coordinates.
+class LasDecoder {
+ public:
+  LasDecoder(const LasHeader& header, Progress& progress);
+  /// `count` records of header.record_length bytes, one after another.
+  void append(const char* records, std::uint64_t count);
+  /// One point by its fields.
+  void append(std::int32_t x, std::int32_t y, std::int32_t z, std::uint16_t intensity,
+              std::uint8_t classification);
+  std::uint64_t count() const { return cloud_.points.size(); }
+  PointCloud take() { return std::move(cloud_); }
+
+ private:
+  const LasHeader& header_;
+  Progress& progress_;
+  PointCloud cloud_;
+};
 
 }  // namespace dendrofit

@@ -80,6 +80,8 @@ TreeMetrics metrics_from_json(const std::filesystem::path& path) {
     json = Json::parse(bytes.view());
   } catch (const Json::parse_error& error) {
     fail_at_byte(path, error.byte, std::string("not JSON: ") + error.what());
+  } catch (const Json::exception& error) {  // a number that no double holds
+    fail_in_file(path, error.what());
   }
   if (!json.is_object() || !json.contains("height_m"))
     fail_in_file(path, "no object with the key height_m; expected a metrics.json as reconstruct writes it");

@@ -14,12 +14,12 @@ namespace dendrofit {
 /// How to read columns of numbers (.xyz .txt .csv .pts .asc); all else is said by the files themselves.
 struct ReadCloudOptions {
   /// Between fields: ' ' (any blanks and tabs), ',', ';' or '\t'; detected when absent.
-  std::optional<char> delimiter;
+  std::optional<char> delimiter = std::nullopt;
   /// '.' or ','; detected when absent.
-  std::optional<char> decimal;
+  std::optional<char> decimal = std::nullopt;
   /// What the columns hold, e.g. "x,y,z,intensity,-,class" ('-' skips one); from the header line, else x,y,z
   /// first.
-  std::optional<std::string> columns;
+  std::optional<std::string> columns = std::nullopt;
   /// Throws InputError for an unknown delimiter, decimal sign or column list without x, y and z.
   void validate() const;
 };

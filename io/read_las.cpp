@@ -2,6 +2,7 @@
 #include "io/cloud_formats.h"
 #include "io/las_format.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -52,7 +53,7 @@ std::string epsg_of(std::string_view keys) {
 }
 
 // One variable length record: `extended` ones have an 8 byte length. Returns the offset after it.
-std::uint64_t read_record(const FileBytes& bytes, std::uint64_t at, bool extended, std::string& wkt,
+std::uint64_t read_record(const FileBytes& bytes, std::uint64_t at, bool extended, LasHeader& header,
                           std::string& epsg) {
   const std::uint64_t head = extended ? 60 : 54;
   bytes.need(at, head, "variable length record");
@@ -63,9 +64,11 @@ std::uint64_t read_record(const FileBytes& bytes, std::uint64_t at, bool extende
   const auto id = bytes.number<std::uint16_t>(at + 18, "record id");
   const std::string_view content = bytes.view().substr(at + head, length);
   if (user.starts_with("LASF_Projection")) {
-    if (id == 2112 && wkt.empty()) wkt = printable(content);
+    if (id == 2112 && header.crs_wkt.empty()) header.crs_wkt = printable(content);
     if (id == 34735 && epsg.empty()) epsg = epsg_of(content);
   }
+  if (user.starts_with("laszip encoded") && id == 22204 && length >= 16)
+    header.chunk_points = FileBytes::load<std::uint32_t>(content.data() + 12);
   return at + head + length;
 }
 
@@ -129,36 +132,58 @@ LasHeader read_las_header(const FileBytes& bytes) {
   const auto records = bytes.number<std::uint32_t>(kVlrCount, "number of records");
   std::uint64_t at = header_size;
   for (std::uint32_t k = 0; k < records && at < h.points_offset; ++k)
-    at = read_record(bytes, at, false, h.crs_wkt, epsg);
+    at = read_record(bytes, at, false, h, epsg);
   if (h.minor == 4) {
     at = bytes.number<std::uint64_t>(kEvlrStart, "extended records");
     const auto extended = bytes.number<std::uint32_t>(kEvlrCount, "number of extended records");
     for (std::uint32_t k = 0; k < extended && at >= h.points_offset; ++k)
-      at = read_record(bytes, at, true, h.crs_wkt, epsg);
+      at = read_record(bytes, at, true, h, epsg);
   }
   if (h.crs_wkt.empty()) h.crs_wkt = epsg;
   return h;
 }
 
-PointCloud decode_las_points(const LasHeader& h, const char* records, Progress& progress) {
-  PointCloud cloud;
-  cloud.crs_wkt = h.crs_wkt;
-  cloud.points.resize(h.point_count);
-  cloud.intensity.resize(h.point_count);
-  cloud.classification.resize(h.point_count);
-  const bool modern = h.point_format >= 6;
+LasDecoder::LasDecoder(const LasHeader& header, Progress& progress) : header_(header), progress_(progress) {
+  cloud_.crs_wkt = header.crs_wkt;
+  progress_.begin("reading", static_cast<double>(header.point_count), "points");
+}
+
+void LasDecoder::append(const char* records, std::uint64_t count) {
+  constexpr std::uint64_t block = 1 << 18;
+  const bool modern = header_.point_format >= 6;
   const std::size_t class_at = modern ? 16 : 15;
   const std::uint8_t class_mask = modern ? 0xff : 0x1f;
-  PointTicker ticker(progress, "reading", static_cast<double>(h.point_count));
-  for (std::uint64_t i = 0; i < h.point_count; ++i) {
-    const char* record = records + i * h.record_length;
-    for (int k = 0; k < 3; ++k)
-      cloud.points[i][k] = FileBytes::load<std::int32_t>(record + 4 * k) * h.scale[k] + h.offset[k];
-    cloud.intensity[i] = FileBytes::load<std::uint16_t>(record + 12);
-    cloud.classification[i] = static_cast<std::uint8_t>(record[class_at]) & class_mask;
-    ticker.tick();
+  const std::size_t before = cloud_.size();
+  cloud_.points.resize(before + count);
+  cloud_.intensity.resize(before + count);
+  cloud_.classification.resize(before + count);
+  for (std::uint64_t first = 0; first < count; first += block) {
+    const std::uint64_t last = std::min(count, first + block);
+    for (std::uint64_t i = first; i < last; ++i) {
+      const char* record = records + i * header_.record_length;
+      const std::size_t to = before + i;
+      for (int k = 0; k < 3; ++k)
+        cloud_.points[to][k] =
+            FileBytes::load<std::int32_t>(record + 4 * k) * header_.scale[k] + header_.offset[k];
+      cloud_.intensity[to] = FileBytes::load<std::uint16_t>(record + 12);
+      cloud_.classification[to] = static_cast<std::uint8_t>(record[class_at]) & class_mask;
+    }
+    progress_.advance(static_cast<double>(last - first));
+    progress_.check();
   }
-  return cloud;
+}
+
+void LasDecoder::append(std::int32_t x, std::int32_t y, std::int32_t z, std::uint16_t intensity,
+                        std::uint8_t classification) {
+  cloud_.points.emplace_back(x * header_.scale[0] + header_.offset[0],
+                             y * header_.scale[1] + header_.offset[1],
+                             z * header_.scale[2] + header_.offset[2]);
+  cloud_.intensity.push_back(intensity);
+  cloud_.classification.push_back(classification);
+  if (cloud_.size() % (1 << 18) == 0) {
+    progress_.advance(1 << 18);
+    progress_.check();
+  }
 }
 
 PointCloud read_las(const FileBytes& bytes, Progress& progress) {
@@ -168,7 +193,9 @@ PointCloud read_las(const FileBytes& bytes, Progress& progress) {
     fail_at_byte(bytes.path(), bytes.size(),
                  "the header claims " + std::to_string(header.point_count) + " points, the file ends after " +
                      std::to_string(fit) + "; it is truncated, copy it again");
-  return decode_las_points(header, bytes.data() + header.points_offset, progress);
+  LasDecoder decoder(header, progress);
+  decoder.append(bytes.data() + header.points_offset, header.point_count);
+  return decoder.take();
 }
 
 }  // namespace dendrofit

@@ -100,7 +100,7 @@ bool has_xyz(const std::array<int, kRoles>& column) {
 }
 
 // What the sample of content lines says about delimiter and decimal sign; ' ' stands for blanks and tabs.
-void find_signs(const FileBytes& bytes, const std::vector<std::string_view>& data, std::size_t line,
+void find_signs(const FileBytes& bytes, const std::vector<std::string_view>& data, bool has_header,
                 Layout& layout) {
   bool semicolon = false;
   bool comma = false;
@@ -127,8 +127,8 @@ void find_signs(const FileBytes& bytes, const std::vector<std::string_view>& dat
   } else if (comma) {
     layout.delimiter = ',';
     const std::size_t n = fields_of(data.front(), ',').size();
-    if (n >= 6 && n % 2 == 0)
-      fail_at_line(bytes.path(), line,
+    if (n >= 6 && n % 2 == 0 && !has_header)  // with one, its number of names tells
+      fail_at_line(bytes.path(), layout.first_line,
                    std::to_string(n) +
                        " whole numbers between commas, or half as many with decimal commas: "
                        "it cannot be told; say which with the delimiter and columns options, or save with "
@@ -194,9 +194,9 @@ Layout find_layout(const FileBytes& bytes, const ReadCloudOptions& options) {
     fail_at_line(bytes.path(), std::max<std::size_t>(line, 1),
                  "no line of numbers; expected x y z on each line");
   if (!options.delimiter || !options.decimal) {
-    Layout found;
+    Layout found = layout;
     if (!options.delimiter && !options.columns)
-      find_signs(bytes, data, layout.first_line, found);
+      find_signs(bytes, data, !header.empty(), found);
     else
       find_signs_told(data, options, found);
     layout.delimiter = found.delimiter;

@@ -80,8 +80,13 @@ bool integer_from(std::string_view field, std::int64_t& value, char decimal) {
 
 void append_number(std::string& text, double value) {
   if (std::isnan(value)) return;
-  char buffer[32];
-  const auto [end, error] = std::to_chars(buffer, buffer + sizeof(buffer), value + 0.0);
+  // Shortest digits that read back the same, without an exponent where people expect none (500000, not
+  // 5e+05).
+  char buffer[48];
+  const double size = std::abs(value);
+  const bool plain = (size >= 1e-5 && size < 1e15) || size == 0;
+  const auto format = plain ? std::chars_format::fixed : std::chars_format::scientific;
+  const auto [end, error] = std::to_chars(buffer, buffer + sizeof(buffer), value + 0.0, format);
   text.append(buffer, end);
 }
 

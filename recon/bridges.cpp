@@ -133,7 +133,8 @@ std::vector<Bridge> bridge_gaps(const std::vector<Vec3>& points, const PointGrap
       const double reach = 2 * candidates.front().gap_m + 2 * graph.typical_spacing_m;
       while (candidates.back().gap_m > reach) candidates.pop_back();
       if (candidates.size() > 64) candidates.resize(64);
-      for (Bridge& c : candidates) c.cost_m = gap_cost(points, graph, c.a, c.b);
+      for (Bridge& c : candidates)
+        c.cost_m = step_cost(gap_cost(points, graph, c.a, c.b), graph.typical_spacing_m);
       std::sort(candidates.begin(), candidates.end(), [](const Bridge& x, const Bridge& y) {
         return x.cost_m != y.cost_m ? x.cost_m < y.cost_m : (x.a != y.a ? x.a < y.a : x.b < y.b);
       });

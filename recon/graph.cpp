@@ -18,6 +18,10 @@ constexpr double kLinkSpacings = 3.0;  // a longer link would leap over a gap: b
 
 }  // namespace
 
+double step_cost(double length_m, double spacing_m) {
+  return length_m * (1 + length_m / std::max(1e-6, spacing_m));
+}
+
 void GraphOptions::validate() const {
   require(neighbors >= 4 && neighbors <= 64, "neighbors", neighbors, "must lie between 4 and 64");
   require(std::isfinite(max_gap_m) && max_gap_m >= 0 && max_gap_m <= 20, "max_gap_m", max_gap_m,
@@ -111,7 +115,6 @@ Parts connected_parts(const PointGraph& graph, const std::vector<char>& open) {
 Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
                      const std::vector<Bridge>& bridges, const std::vector<char>& open,
                      const std::vector<std::uint32_t>& sources, Progress& progress) {
-  // A step of one usual spacing costs its length; twice that, three times as much per step.
   constexpr double kTurnWeight = 1.0;
   constexpr double kMemory_m = 0.04;  // the way's direction is taken over about this much of it
   const std::size_t n = points.size();
@@ -140,10 +143,9 @@ Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
     heading[s] = Eigen::Vector3f::Zero();
     queue.push({0.0f, s});
   }
-  const auto relax = [&](std::uint32_t u, std::uint32_t v, double charged) {
+  const auto relax = [&](std::uint32_t u, std::uint32_t v, double c) {
     const Eigen::Vector3f step = (points[v] - points[u]).cast<float>();
     const float length = step.norm();
-    double c = charged * (1 + charged / scale);
     const float h = heading[u].norm();
     if (h > 0 && length > 0) {
       const float cosine = heading[u].dot(step) / (h * length);
@@ -171,7 +173,7 @@ Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
       progress.advance(65536);
     }
     for (const std::uint32_t v : graph.of(u))
-      if (!done[v]) relax(u, v, (points[v] - points[u]).norm());
+      if (!done[v]) relax(u, v, step_cost((points[v] - points[u]).norm(), scale));
     auto it = std::lower_bound(crossings.begin(), crossings.end(), u,
                                [](const auto& e, std::uint32_t value) { return e.first < value; });
     for (; it != crossings.end() && it->first == u; ++it)

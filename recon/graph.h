@@ -35,12 +35,16 @@ struct PointGraph {
 PointGraph neighbor_graph(const std::vector<Vec3>& points, const GraphOptions& options = {},
                           Progress& = no_progress());
 
+/// What a step costs the paths: long ones more than many short ones, so that they keep to the wood.
+double step_cost(double length_m, double spacing_m);
+
 /// A link across a gap.
 struct Bridge {
   std::uint32_t a = 0;
   std::uint32_t b = 0;
   double gap_m = 0;
-  double cost_m = 0;  ///< the gap, longer where it bends away from the wood on either side
+  double cost_m =
+      0;  ///< of crossing it, see step_cost(); more where it bends away from the wood on either side
 };
 
 /// Connected parts of the graph over its open points (open[i] != 0).

@@ -2,8 +2,8 @@
 // How thick the wood is: measured where points suffice, elsewhere from the tree's own proportions.
 #pragma once
 
-#include "core/progress.h"
 #include "core/types.h"
+#include "recon/sights.h"
 #include "recon/skeleton.h"
 
 #include <optional>
@@ -13,7 +13,6 @@ namespace dendrofit {
 
 struct RadiusOptions {
   std::optional<double> twig_diameter_m;  ///< of the species' twig ends, where known
-  int threads = 0;
   void validate() const;
 };
 
@@ -33,10 +32,15 @@ struct RadiusReport {
   Allometry allometry;
 };
 
-/// Fits a circle across every place with enough points about it, moves the centre line there, corrects for
-/// the widening by noise and footprint (seen on the thinnest twigs, where it is all there is), fits the
-/// allometry to the measured radii, and fills and evens out the rest. Radii fall towards the tips.
-RadiusReport measure_radii(const std::vector<Vec3>& points, std::vector<Limb>& limbs, double spacing_m,
-                           const RadiusOptions& options = {}, Progress& = no_progress());
+/// The points' spread about wood: from the thinnest twigs, where noise and footprint are nearly all there is,
+/// bounded by the scatter about thick wood's circles. `fallback_m` where neither says enough.
+double scan_noise(const std::vector<Limb>& limbs, const Sights& sights, double fallback_m,
+                  const RadiusOptions& options = {});
+
+/// Corrects what was seen for the widening by noise, fits the allometry, and settles every radius and its
+/// quality: measured where the points say more than the allometry, interpolated between such places, else
+/// allometric. Radii fall towards the tips, and no limb is thicker than its bearer.
+RadiusReport settle_radii(std::vector<Limb>& limbs, const Sights& sights, double noise_m,
+                          const RadiusOptions& options = {});
 
 }  // namespace dendrofit

@@ -4,7 +4,9 @@
 #include "core/errors.h"
 #include "recon/build_tree.h"
 #include "recon/foot.h"
+#include "recon/forks.h"
 #include "recon/graph.h"
+#include "recon/mend.h"
 #include "recon/preprocess.h"
 #include "recon/radii.h"
 #include "recon/sections.h"
@@ -45,7 +47,7 @@ void ReconstructOptions::validate() const {
   PreprocessOptions{.voxel_size_m = voxel_size_m}.validate();
   GraphOptions{.neighbors = neighbors, .max_gap_m = max_gap_m, .threads = threads}.validate();
   SkeletonOptions{.shortest_limb_m = shortest_limb_m}.validate();
-  RadiusOptions{.twig_diameter_m = twig_diameter_m, .threads = threads}.validate();
+  RadiusOptions{.twig_diameter_m = twig_diameter_m}.validate();
 }
 
 Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& options, Progress& progress) {
@@ -79,25 +81,45 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   clock.mark("foot");
 
   const Parts parts = connected_parts(graph, open);
-  const std::vector<Bridge> bridges = bridge_gaps(scan.points, graph, parts, graph_options, progress);
+  std::vector<Bridge> bridges = bridge_gaps(scan.points, graph, parts, graph_options, progress);
   clock.mark("gaps");
 
-  const Paths paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);
-  result.tree_points = paths.order.size();
-  result.stray_points = scan.points.size() - paths.order.size();
+  Paths paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);
   clock.mark("paths");
 
-  const std::vector<Section> sections = cut_sections(scan.points, graph, paths, tree_feet, progress);
+  std::vector<Section> sections = cut_sections(scan.points, graph, paths, tree_feet, progress);
   clock.mark("sections");
+
+  const std::vector<Bridge> mended =
+      mend_cut_branches(scan.points, sections, graph.typical_spacing_m, options.max_gap_m);
+  if (!mended.empty()) {
+    bridges.insert(bridges.end(), mended.begin(), mended.end());
+    paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);
+    sections = cut_sections(scan.points, graph, paths, tree_feet, progress);
+  }
+  result.tree_points = paths.order.size();
+  result.stray_points = scan.points.size() - paths.order.size();
+  clock.mark("mending");
 
   std::vector<Limb> limbs = make_limbs(scan.points, sections, graph.typical_spacing_m,
                                        SkeletonOptions{.shortest_limb_m = options.shortest_limb_m});
   clock.mark("skeleton");
 
-  const RadiusReport radii = measure_radii(
-      scan.points, limbs, graph.typical_spacing_m,
-      RadiusOptions{.twig_diameter_m = options.twig_diameter_m, .threads = options.threads}, progress);
-  result.noise_m = radii.noise_m;
+  const RadiusOptions radius_options{.twig_diameter_m = options.twig_diameter_m};
+  SightOptions seeing{.noise_m = std::clamp(0.25 * graph.typical_spacing_m, 0.001, 0.02),
+                      .threads = options.threads};
+  progress.begin("centre lines", 0, "limbs");
+  Sights sights = look_at_limbs(scan.points, limbs, seeing, progress);
+  seeing.noise_m = scan_noise(limbs, sights, seeing.noise_m, radius_options);
+  centre_limbs(limbs, sights, seeing);
+  lead_limbs_back(scan.points, limbs, graph.typical_spacing_m);
+  centre_limbs(limbs, look_at_limbs(scan.points, limbs, seeing, progress), seeing);
+  progress.end();
+  clock.mark("centre lines");
+
+  sights = look_at_limbs(scan.points, limbs, seeing, progress);
+  result.noise_m = scan_noise(limbs, sights, seeing.noise_m, radius_options);
+  settle_radii(limbs, sights, result.noise_m, radius_options);
   clock.mark("radii");
 
   result.tree = build_tree(limbs, tree_feet, scan.origin_shift);

@@ -4,8 +4,10 @@
 #include "recon/cylinder_fit.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <span>
 
 namespace dendrofit {
@@ -54,6 +56,7 @@ class Cutter {
   struct Group {
     std::vector<std::uint32_t> points;
     Vec3 mean = Vec3::Zero();
+    bool main = false;  // goes on where the parent's cylinder would
   };
 
   void plant(const Foot& foot) {
@@ -121,15 +124,15 @@ class Cutter {
     return groups;
   }
 
-  /// Whether a group lies within the section's cylinder, prolonged.
-  bool within(const Group& group, const Section& s) const {
+  /// Share of a group's points that lie within the section's cylinder, prolonged.
+  double share_within(const Group& group, const Section& s) const {
     const double reach = 1.15 * s.radius_m + settings_.noise_m;
     std::size_t inside = 0;
     for (const std::uint32_t p : group.points) {
       const Vec3 d = points_[p] - s.centre;
       inside += (d - s.direction * d.dot(s.direction)).norm() <= reach;
     }
-    return 2 * inside >= group.points.size();
+    return static_cast<double>(inside) / static_cast<double>(group.points.size());
   }
 
   void grow(std::size_t index) {
@@ -140,8 +143,9 @@ class Cutter {
       parent.centre = sections_[index].centre;
       parent.direction = sections_[index].direction;
       parent.radius_m = sections_[index].radius_m;
+      parent.coasted_m = sections_[index].coasted_m;
       std::vector<Group> groups = groups_of(reached, parent);
-      if (groups.size() > 1) merge_within(groups, parent);
+      merge_within(groups, parent);
       for (Group& group : groups) {
         add(static_cast<std::int32_t>(index), parent, group);
         end_.push_back(end);
@@ -149,40 +153,132 @@ class Cutter {
     }
   }
 
+  /// Number of 24 sectors of the section's prolonged surface in which a group has points.
+  int sectors_of(const Group& group, const Section& s) const {
+    Vec3 u, v;
+    plane_frame(s.direction, u, v);
+    const double reach = std::max(2 * settings_.noise_m, 0.2 * s.radius_m);
+    std::uint32_t seen = 0;
+    for (const std::uint32_t p : group.points) {
+      const Vec3 d = points_[p] - s.centre;
+      const double x = d.dot(u), y = d.dot(v);
+      if (std::abs(std::hypot(x, y) - s.radius_m) > reach) continue;
+      seen |= 1U << static_cast<int>(std::min(23.0, 12 * (std::atan2(y, x) / std::numbers::pi + 1)));
+    }
+    return std::popcount(seen);
+  }
+
+  /// Thick wood has one successor: all groups within its prolonged cylinder are one, and a group that a
+  /// crotch joins to the wood is part of it where it holds most of the surface.
   void merge_within(std::vector<Group>& groups, const Section& parent) const {
-    Group* first = nullptr;
+    if (parent.radius_m < 2 * settings_.noise_m) return;
+    std::vector<Group*> within, joined;
+    int sectors = 0;
     for (Group& g : groups) {
-      if (parent.radius_m < 2 * settings_.noise_m || !within(g, parent)) continue;
-      if (!first) {
-        first = &g;
-        continue;
+      const double share = share_within(g, parent);
+      if (share >= 0.5) {
+        within.push_back(&g);
+        sectors += sectors_of(g, parent);
+      } else if (share >= 0.2) {
+        joined.push_back(&g);
       }
-      const auto a = static_cast<double>(first->points.size()), b = static_cast<double>(g.points.size());
-      first->mean = (a * first->mean + b * g.mean) / (a + b);
-      first->points.insert(first->points.end(), g.points.begin(), g.points.end());
+    }
+    for (Group* g : joined) {
+      const int theirs = sectors_of(*g, parent);
+      const bool holds_surface = theirs >= 8 && theirs >= 2 * sectors;
+      if (groups.size() == 1 || (!within.empty() && holds_surface)) within.push_back(g);
+    }
+    if (within.empty()) return;
+    Group& main = *within.front();
+    main.main = true;
+    for (std::size_t k = 1; k < within.size(); ++k) {
+      Group& g = *within[k];
+      const auto a = static_cast<double>(main.points.size()), b = static_cast<double>(g.points.size());
+      main.mean = (a * main.mean + b * g.mean) / (a + b);
+      main.points.insert(main.points.end(), g.points.begin(), g.points.end());
       g.points.clear();
     }
     std::erase_if(groups, [](const Group& g) { return g.points.empty(); });
   }
 
+  /// Thick wood goes on as the parent's cylinder foretells: fits a circle from there, which branches leaving
+  /// within the group hardly disturb.
+  bool continue_cylinder(const Section& parent, const Group& group, Section& s) const {
+    const double noise = std::max(settings_.noise_m, 0.05 * parent.radius_m);
+    if (parent.radius_m < 2.5 * settings_.noise_m || group.points.size() < 10) return false;
+    Vec3 u, v;
+    plane_frame(parent.direction, u, v);
+    std::vector<Eigen::Vector2d> flat;
+    double along = 0, near = 0;
+    for (const std::uint32_t p : group.points) {
+      const Vec3 d = points_[p] - parent.centre;
+      flat.emplace_back(d.dot(u), d.dot(v));
+      if (std::abs(flat.back().norm() - parent.radius_m) > 3 * noise) continue;
+      along += d.dot(parent.direction);
+      near += 1;
+    }
+    if (near < 8 || along <= 0) return false;
+    along /= near;
+    CircleFit foretold;
+    foretold.ok = true;
+    foretold.radius = parent.radius_m;
+    const CircleFit fit = robust_circle(flat, foretold, noise);
+    if (!fit.ok || fit.coverage < 0.35 || fit.inliers < 8 || fit.radius < 0.65 * parent.radius_m ||
+        fit.radius > 1.12 * parent.radius_m || fit.centre.norm() > 0.4 * parent.radius_m)
+      return false;
+    s.centre = parent.centre + along * parent.direction + fit.centre.x() * u + fit.centre.y() * v;
+    s.radius_m = 0.5 * (fit.radius + parent.radius_m);
+    const Vec3 ahead = s.centre - parent.centre;
+    const double share = ahead.norm() / (ahead.norm() + 2 * parent.radius_m);
+    s.direction = ((1 - share) * parent.direction + share * ahead.normalized()).normalized();
+    return true;
+  }
+
+  double extent(const Group& group, const Vec3& direction) const {
+    double square = 0;
+    for (const std::uint32_t p : group.points) {
+      const Vec3 d = points_[p] - group.mean;
+      square += (d - direction * d.dot(direction)).squaredNorm();
+    }
+    return std::sqrt(square / static_cast<double>(group.points.size()));
+  }
+
   void add(std::int32_t index, const Section& parent, Group& group) {
+    Section s = successor(index, parent, group);
+    s.extent_m = extent(group, s.direction);
+    s.points = std::move(group.points);
+    sections_.push_back(std::move(s));
+  }
+
+  Section successor(std::int32_t index, const Section& parent, const Group& group) const {
     Section s;
     s.parent = index;
     // Where the group touches its parent tells whether it goes on or leaves sideways.
     Vec3 from = Vec3::Zero();
-    double links = 0, widest = 0;
+    double links = 0, narrowest = 1e300;
     for (const std::uint32_t p : group.points) {
       const std::uint32_t q = paths_.parent[p];
       if (q == Paths::kNone || group_[q] == group_[p]) continue;
       from += points_[q];
       links += 1;
-      widest = std::max(widest, (points_[p] - points_[q]).norm());
+      narrowest = std::min(narrowest, (points_[p] - points_[q]).norm());
     }
-    s.after_gap = links > 0 && widest > 4 * graph_.typical_spacing_m;
+    s.after_gap = links > 0 && narrowest > 4 * graph_.typical_spacing_m;
+    if (group.main && continue_cylinder(parent, group, s)) return s;
     const Vec3 ahead = group.mean - parent.centre;
     const double along = ahead.dot(parent.direction);
     const double aside = (ahead - parent.direction * along).norm();
     const bool goes_on = aside <= 0.6 * parent.radius_m + settings_.noise_m && along > 0;
+    // In a crotch the cross-section is no circle for a while, and behind others' wood too little is seen:
+    // thick wood keeps its course.
+    if (group.main && parent.radius_m > 4 * settings_.noise_m && along > 0 &&
+        parent.coasted_m + along < 5 * parent.radius_m) {
+      s.centre = parent.centre + along * parent.direction;
+      s.direction = parent.direction;
+      s.radius_m = 0.99 * parent.radius_m;
+      s.coasted_m = parent.coasted_m + along;
+      return s;
+    }
     Vec3 direction;
     if (goes_on) {
       direction = parent.direction + 0.6 * ahead.normalized();
@@ -203,12 +299,7 @@ class Cutter {
             0.5 * (fit.radius + std::clamp(fit.radius, 0.6 * parent.radius_m, 1.2 * parent.radius_m));
     } else {
       s.centre = group.mean;
-      double rms = 0;
-      for (const std::uint32_t p : group.points) {
-        const Vec3 d = points_[p] - s.centre;
-        rms += (d - s.direction * d.dot(s.direction)).squaredNorm();
-      }
-      rms = std::sqrt(rms / static_cast<double>(group.points.size()));
+      const double rms = extent(group, s.direction);
       s.radius_m = std::min(rms, parent.radius_m * 1.05);
       if (goes_on && parent.radius_m > 4 * settings_.noise_m) {
         // Too little is seen: the section before tells size and place.
@@ -216,8 +307,7 @@ class Cutter {
         s.centre = parent.centre + parent.direction * along;
       }
     }
-    s.points = std::move(group.points);
-    sections_.push_back(std::move(s));
+    return s;
   }
 
   const std::vector<Vec3>& points_;

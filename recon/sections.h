@@ -18,6 +18,8 @@ struct Section {
   Vec3 direction = Vec3::UnitZ();  ///< towards the tip, unit
   double radius_m = 0;             ///< rough; see cylinder_fit.h for the radii that count
   std::int32_t parent = -1;
+  double extent_m = 0;     ///< root mean square distance of its own points from their line
+  double coasted_m = 0;    ///< way since the last section whose own points told its place
   bool after_gap = false;  ///< reached across a bridged gap
   std::vector<std::uint32_t> points;
 };

@@ -65,6 +65,25 @@ SectionTree prune(const std::vector<Vec3>& points, const std::vector<Section>& s
   return tree;
 }
 
+/// Mean extent of the next few sections on the longest way from a section.
+double thickness_ahead(const std::vector<Section>& sections, const SectionTree& tree, std::int32_t from) {
+  constexpr int kSections = 4;
+  double sum = 0;
+  int count = 0;
+  for (std::int32_t at = from; at >= 0 && count < kSections; ++count) {
+    const auto i = static_cast<std::size_t>(at);
+    sum += std::max(sections[i].extent_m, sections[i].radius_m);
+    at = -1;
+    double longest = -1;
+    for (const std::int32_t c : tree.children[i])
+      if (tree.reach[static_cast<std::size_t>(c)] > longest) {
+        longest = tree.reach[static_cast<std::size_t>(c)];
+        at = c;
+      }
+  }
+  return sum / count;
+}
+
 /// Weighted running mean over the neighbours within `reach` along the line; the ends stay where they are.
 void smooth(Limb& limb) {
   const std::size_t n = limb.nodes.size();
@@ -148,7 +167,7 @@ std::vector<Limb> make_limbs(const std::vector<Vec3>& points, const std::vector<
       for (const std::int32_t c : children) {
         const auto weight = [&](std::int32_t k) {
           const auto j = static_cast<std::size_t>(k);
-          return (tree.beyond[j] + tree.reach[j]) *
+          return (tree.beyond[j] + tree.reach[j]) * std::pow(thickness_ahead(sections, tree, k), 2) *
                  (0.5 + std::max(0.0, sections[j].direction.dot(sections[i].direction)));
         };
         if (heir < 0 || weight(c) > weight(heir)) heir = c;
@@ -157,6 +176,10 @@ std::vector<Limb> make_limbs(const std::vector<Vec3>& points, const std::vector<
         if (c != heir) starts.push_back({c, id, node_of[i]});
       at = heir;
     }
+    // Thickness grows nowhere along a limb but by error.
+    for (std::size_t k = 1; k < limb.nodes.size(); ++k)
+      limb.nodes[k].rough_radius_m =
+          std::min(limb.nodes[k].rough_radius_m, 1.1 * limb.nodes[k - 1].rough_radius_m);
     // The tip reaches as far as its points do.
     LimbNode& tip = limb.nodes.back();
     const std::size_t k = limb.nodes.size() - 1;

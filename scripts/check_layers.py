@@ -28,6 +28,8 @@ HOMES = {
     "CGAL/": ["core/convex_hull.cpp", "forward/leaves/"],
     "ceres/": ["fit/", "recon/cylinder_fit.cpp", "recon/image_"],
     "CLI/": ["cli/"],
+    "pugixml": ["io/read_e57.cpp"],
+    "laszip/": ["io/read_laz.cpp"],
     "tbb/": ["core/parallel.cpp"],
     "embree": ["forward/virtual_scan/", "forward/leaves/", "cli/report/"],
 }

@@ -25,6 +25,7 @@ inline constexpr std::array<Rgb, 7> kOrderColours = {{{0, 90, 160},
                                                       {110, 110, 110}}};
 inline constexpr Rgb kBark = {124, 98, 76};
 inline constexpr Rgb kLeaf = {86, 140, 56};
+inline constexpr Rgb kPetiole = {104, 92, 58};  ///< and the twigs that come with leaves
 inline constexpr Rgb kScan = {104, 116, 134};
 
 Rgb order_colour(int order);  ///< orders past the palette share its last colour

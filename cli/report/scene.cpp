@@ -115,7 +115,10 @@ void add_leaves(const Foliage& foliage, const Vec3& shift, Scene& scene) {
     const double tint = 0.88 + 0.12 * static_cast<double>(i * 2654435761u % 3);
     const auto tinted = [&](std::uint8_t c) { return static_cast<std::uint8_t>(std::min(255.0, c * tint)); };
     const Rgb colour = {tinted(kLeaf.r), tinted(kLeaf.g), tinted(kLeaf.b)};
-    for (const auto& t : blade.triangles) {
+    const std::size_t of_blade = blade.triangles.size();
+    foliage.append_petiole(i, blade);
+    for (std::size_t k = 0; k < blade.triangles.size(); ++k) {
+      const auto& t = blade.triangles[k];
       const Vec3& a = blade.vertices[t[0]];
       const Vec3& b = blade.vertices[t[1]];
       const Vec3& c = blade.vertices[t[2]];
@@ -124,8 +127,12 @@ void add_leaves(const Foliage& foliage, const Vec3& shift, Scene& scene) {
       const std::uint32_t first = scene.vertex(a + shift, normal);
       scene.vertex(b + shift, normal);
       scene.vertex(c + shift, normal);
-      scene.triangle(first, first + 1, first + 2, colour, Scene::Surface::leaf);
+      scene.triangle(first, first + 1, first + 2, k < of_blade ? colour : kPetiole, Scene::Surface::leaf);
     }
+  }
+  if (!foliage.twigs.empty()) {
+    const std::vector<Rgb> bark(foliage.twigs.size(), kPetiole);
+    add_wood(foliage.twigs, shift, bark, true, 0, scene);
   }
 }
 

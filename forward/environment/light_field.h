@@ -24,7 +24,9 @@ class ShadeProfile {
  public:
   /// b > 1.
   explicit ShadeProfile(double b);
-  int layers() const { return static_cast<int>(weight_.size()); }
+  int layers() const { return static_cast<int>(weight_.size()) - 1; }
+  /// The weights as an array of layers() + 1, the last one 0.
+  const Fixed* padded() const { return weight_.data(); }
   Fixed operator[](int q) const { return weight_[static_cast<std::size_t>(q)]; }
   /// Shade of a node at a voxel dx, dy away and q layers below it.
   Fixed at(int dx, int dy, int q) const {
@@ -35,7 +37,7 @@ class ShadeProfile {
   }
 
  private:
-  std::vector<Fixed> weight_;
+  std::vector<Fixed> weight_;  // ends with a 0
 };
 
 class LightField {
@@ -54,14 +56,14 @@ class LightField {
 
  private:
   struct Layer {
-    std::int32_t x0 = 0, y0 = 0, nx = 0, ny = 0;
-    std::vector<Fixed> difference;  // row after row along x
+    std::int32_t x0 = 0, y0 = 0, nx = 0, ny = 0;  // of the array
+    std::int32_t used_x0 = 0, used_y0 = 0;        // nothing but 0 before these
+    std::vector<Fixed> difference;                // row after row along x
   };
   struct Rect {
     std::int32_t x0, y0, x1, y1;  // inclusive, empty while x0 > x1
   };
   void cover(std::size_t layer, const Rect& rect);
-  void add_square(std::size_t layer, std::int32_t x, std::int32_t y, int half, Fixed amount);
 
   std::vector<Layer> layers_;
   double max_gib_;

@@ -5,12 +5,13 @@
 #include "core/point_cloud.h"
 #include "forward/environment/light_field.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <string>
+
+#include <Eigen/Geometry>
 
 namespace dendrofit {
 namespace {

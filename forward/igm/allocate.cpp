@@ -13,38 +13,65 @@ constexpr double kFirstWeight = 1.0;
 constexpr double kLastWeight = 0.006;
 constexpr double kDarkLight = 1e-4;  // what a node in full shade still counts as
 
+// An axis's first record is its base: the bearer's node seen by the axis. It takes part in the sharing with
+// that node's light, aged from the axis's birth, but sprouts nothing (the authors' program; a seedling's base
+// is dark).
 struct Resource {
-  std::vector<double> own;    // light of a node, or of all it bears
-  std::vector<double> buds;   // 1, or the buds of all it bears
-  std::vector<double> above;  // own and everything further along the axis
-  std::vector<double> got;    // v
+  std::vector<double> own;        // light of a node, or of all it bears
+  std::vector<double> buds;       // 1, or the buds of all it bears
+  std::vector<double> above;      // own and everything further along the axis
+  std::vector<double> got;        // v
+  std::vector<double> base;       // light of an axis's base record
+  std::vector<double> axis_buds;  // buds of an axis, its base record's included
 };
 
 // L = l^((T - T0)^sigma), Yi 2018, 4.1; the age of a new node counts as 1.
-std::vector<double> node_light(const Stand& stand, int cycle) {
-  std::vector<std::vector<double>> ageing(stand.parameters.size());
-  for (std::size_t tree = 0; tree < ageing.size(); ++tree)
+class Ageing {
+ public:
+  Ageing(double sigma, int cycle) : cycle_(cycle) {
     for (int age = 0; age <= std::max(cycle, 1); ++age)
-      ageing[tree].push_back(std::pow(std::max(age, 1), stand.parameters[tree].sigma));
+      exponent_.push_back(std::pow(std::max(age, 1), sigma));
+  }
+  double operator()(double l, int birth) const {
+    if (l <= 0) return kDarkLight;
+    if (l >= 1) return 1;
+    return std::pow(l, exponent_[static_cast<std::size_t>(std::clamp(cycle_ - birth, 0, cycle_))]);
+  }
+
+ private:
+  int cycle_;
+  std::vector<double> exponent_;
+};
+
+// Light of every node, and of every axis's base record.
+std::vector<double> node_light(const Stand& stand, int cycle, Resource& r) {
+  std::vector<Ageing> aged;
+  for (const IgmParameters& p : stand.parameters) aged.emplace_back(p.sigma, cycle);
   std::vector<double> light(stand.nodes.size());
-  for (std::size_t i = 0; i < light.size(); ++i) {
-    const double l = stand.light(i);
-    const auto& exponent =
-        ageing[static_cast<std::size_t>(stand.tree_of_axis(static_cast<std::size_t>(stand.nodes.axis[i])))];
-    const auto age = static_cast<std::size_t>(std::clamp(cycle - stand.nodes.birth[i], 0, cycle));
-    light[i] = l <= 0 ? kDarkLight : l >= 1 ? 1.0 : std::pow(l, exponent[age]);
+  r.base.resize(stand.axes.size());
+  for (std::size_t axis = 0; axis < stand.axes.size(); ++axis) {
+    const Ageing& ageing = aged[static_cast<std::size_t>(stand.tree_of_axis(axis))];
+    const auto nodes = stand.nodes_of(axis);
+    for (const std::int32_t node : nodes) {
+      const auto i = static_cast<std::size_t>(node);
+      light[i] = ageing(stand.light(i), stand.nodes.birth[i]);
+    }
+    const std::int32_t base = stand.axes.base[axis];
+    r.base[axis] = base < 0 ? kDarkLight
+                            : ageing(stand.light(static_cast<std::size_t>(base)),
+                                     stand.nodes.birth[static_cast<std::size_t>(nodes[0])]);
   }
   return light;
 }
 
 // Tips to bases: a node that bears laterals counts with their light in place of its own.
-void collect(const Stand& stand, const std::vector<double>& light, Resource& r,
-             std::vector<double>& axis_buds) {
+void collect(const Stand& stand, const std::vector<double>& light, Resource& r) {
   const std::size_t n = stand.nodes.size();
   r.own.assign(n, 0);
   r.buds.assign(n, 0);
   r.above.resize(n);
-  axis_buds.assign(stand.axes.size(), 0);
+  r.got.assign(n, 0);
+  r.axis_buds.resize(stand.axes.size());
   for (std::size_t axis = stand.axes.size(); axis-- > 0;) {
     const auto nodes = stand.nodes_of(axis);
     double sum = 0, buds = 0;
@@ -58,60 +85,69 @@ void collect(const Stand& stand, const std::vector<double>& light, Resource& r,
       buds += r.buds[i];
       r.above[i] = sum;
     }
-    axis_buds[axis] = buds;
+    r.axis_buds[axis] = buds + 1;
     if (stand.axes.base[axis] >= 0) {
-      r.own[static_cast<std::size_t>(stand.axes.base[axis])] += sum;
-      r.buds[static_cast<std::size_t>(stand.axes.base[axis])] += buds;
+      const auto base = static_cast<std::size_t>(stand.axes.base[axis]);
+      r.own[base] += sum + r.base[axis];
+      r.buds[base] += r.axis_buds[axis];
     }
   }
 }
 
-// One axis of N nodes: Borchert-Honda from its base, then weights falling linearly over the first k N ranks.
-void share_axis(const Stand& stand, const IgmParameters& p, std::span<const std::int32_t> nodes, double V,
-                bool tip_first, Resource& r, std::vector<std::pair<double, std::int32_t>>& rank) {
-  const std::size_t N = nodes.size();
-  rank.clear();
-  double rest = V;
-  for (std::size_t j = 0; j < N; ++j) {
-    const auto i = static_cast<std::size_t>(nodes[j]);
-    double u = 0;
-    if (stand.nodes.laterals[i] > 0) {
-      const double axis_part = p.lambda * (r.above[i] - r.own[i]), lateral_part = (1 - p.lambda) * r.own[i];
-      u = rest * lateral_part / (axis_part + lateral_part);
-    } else {
-      u = rest * r.own[i] / r.above[i];
+struct Ranked {
+  double worth;       // u / buds
+  std::int32_t node;  // -1 the base record
+  double u;
+};
+
+// One axis of N records with resource V: Borchert-Honda from its base, then weights falling linearly over the
+// first k N ranks.
+void share_axis(const Stand& stand, const IgmParameters& p, std::size_t axis, double V, bool tip_first,
+                Resource& r, std::vector<Ranked>& rank) {
+  const auto nodes = stand.nodes_of(axis);
+  const double at_base = V * r.base[axis] / (r.base[axis] + r.above[static_cast<std::size_t>(nodes[0])]);
+  double rest = V - at_base;
+  rank.assign(1, {at_base, -1, at_base});
+  for (const std::int32_t node : nodes) {
+    const auto i = static_cast<std::size_t>(node);
+    double u = rest;
+    if (node != nodes.back()) {
+      const double further = r.above[i] - r.own[i];
+      // v_m = v lambda Q_m / (lambda Q_m + (1 - lambda) Q_l) goes on; a node without laterals keeps its part.
+      u = stand.nodes.laterals[i] > 0
+              ? rest * (1 - p.lambda) * r.own[i] / (p.lambda * further + (1 - p.lambda) * r.own[i])
+              : rest * r.own[i] / r.above[i];
     }
-    if (j + 1 == N) u = rest;
     rest -= u;
-    r.got[i] = u;
-    rank.emplace_back(u / r.buds[i], nodes[j]);
+    rank.push_back({u / r.buds[i], node, u});
   }
-  const auto better = [](const auto& a, const auto& b) {
-    return a.first > b.first || (a.first == b.first && a.second < b.second);
-  };
-  auto sorted_from = rank.begin();
+
+  auto unranked = rank.begin();
   if (tip_first) {  // apical control
     std::rotate(rank.begin(), rank.end() - 1, rank.end());
-    ++sorted_from;
+    ++unranked;
   }
-  const double kN = p.k * static_cast<double>(N);
-  const auto favoured = std::min(rank.size(), static_cast<std::size_t>(std::max(kN, 1.0)));
-  if (sorted_from < rank.begin() + static_cast<std::ptrdiff_t>(favoured))
-    std::partial_sort(sorted_from, rank.begin() + static_cast<std::ptrdiff_t>(favoured), rank.end(), better);
+  const double kN = p.k * static_cast<double>(rank.size());
+  const auto favoured = rank.begin() + std::min(static_cast<std::ptrdiff_t>(rank.size()),
+                                                static_cast<std::ptrdiff_t>(std::max(kN, 1.0)));
+  if (unranked < favoured)
+    std::partial_sort(unranked, favoured, rank.end(), [](const Ranked& a, const Ranked& b) {
+      return a.worth > b.worth || (a.worth == b.worth && a.node < b.node);
+    });
   double sum = 0;
-  for (std::size_t j = 0; j < N; ++j) {
+  for (std::size_t j = 0; j < rank.size(); ++j) {
     const double place = static_cast<double>(j + 1);
     double w = kLastWeight;
     if (j == 0)
       w = kFirstWeight;
-    else if (place <= kN && N > 2)
+    else if (place <= kN && rank.size() > 2)
       w = kFirstWeight + (kLastWeight - kFirstWeight) * (place - 1) / (kN - 1);
-    double& v = r.got[static_cast<std::size_t>(rank[j].second)];
-    v *= w;
-    sum += v;
+    rank[j].u *= w;
+    sum += rank[j].u;
   }
   const double scale = sum > 0 ? V / sum : 0;
-  for (const std::int32_t node : nodes) r.got[static_cast<std::size_t>(node)] *= scale;
+  for (const Ranked& ranked : rank)
+    if (ranked.node >= 0) r.got[static_cast<std::size_t>(ranked.node)] = ranked.u * scale;
 }
 
 bool may_sprout(const Stand& stand, const IgmParameters& p, std::size_t node) {
@@ -120,7 +156,7 @@ bool may_sprout(const Stand& stand, const IgmParameters& p, std::size_t node) {
 }
 
 // Shoots at a node and internodes per shoot (Yi 2018, 4.3; numbers of shoots from the authors' program).
-Sprout shoots_of(const Stand& stand, const IgmParameters& p, std::int32_t node, double v, double cap) {
+Sprout shoots_of(const Stand& stand, std::int32_t node, double v, double cap) {
   const auto i = static_cast<std::size_t>(node);
   const bool trunk = stand.axes.order[static_cast<std::size_t>(stand.nodes.axis[i])] == 1;
   const bool tip = stand.is_tip(i);
@@ -130,7 +166,6 @@ Sprout shoots_of(const Stand& stand, const IgmParameters& p, std::int32_t node, 
   const double wanted = trunk ? std::round(sprout.share) : std::floor(sprout.share);
   // One less: the program counts the node a shoot starts from.
   sprout.internodes = static_cast<int>(std::min({wanted, std::round(cap) - 1, 1e6}));
-  (void)p;
   return sprout;
 }
 
@@ -161,17 +196,14 @@ void decide_by_equation(const Stand& stand, const std::vector<double>& light, st
 }  // namespace
 
 Decision decide(const Stand& stand, int cycle) {
-  const std::vector<double> light = node_light(stand, cycle);
+  Resource r;
+  const std::vector<double> light = node_light(stand, cycle, r);
+  collect(stand, light, r);
   std::vector<double> cap;
   for (const IgmParameters& p : stand.parameters) cap.push_back(p.cap(cycle));
 
-  Resource r;
-  std::vector<double> axis_buds;
-  collect(stand, light, r, axis_buds);
-  r.got.assign(stand.nodes.size(), 0);
-
   Decision decision;
-  std::vector<std::pair<double, std::int32_t>> rank;
+  std::vector<Ranked> rank;
   for (std::size_t axis = 0; axis < stand.axes.size(); ++axis) {
     const IgmParameters& p = stand.parameters_of_axis(axis);
     const double limit = cap[static_cast<std::size_t>(stand.tree_of_axis(axis))];
@@ -183,16 +215,16 @@ Decision decide(const Stand& stand, int cycle) {
     const std::int32_t base = stand.axes.base[axis];
     double V = 0;
     if (base < 0) {
-      V = p.alpha * r.above[static_cast<std::size_t>(nodes[0])];
+      V = p.alpha * (r.above[static_cast<std::size_t>(nodes[0])] + r.base[axis]);
     } else {
       const auto b = static_cast<std::size_t>(base);
-      V = r.got[b] * axis_buds[axis] / r.buds[b];
+      V = r.got[b] * r.axis_buds[axis] / r.buds[b];
     }
-    share_axis(stand, p, nodes, V, base < 0 && cycle - 1 <= p.tau, r, rank);
+    share_axis(stand, p, axis, V, base < 0 && cycle - 1 <= p.tau, r, rank);
     for (const std::int32_t node : nodes) {
       const auto i = static_cast<std::size_t>(node);
       if (r.got[i] < 1 || !may_sprout(stand, p, i)) continue;
-      const Sprout sprout = shoots_of(stand, p, node, r.got[i], limit);
+      const Sprout sprout = shoots_of(stand, node, r.got[i], limit);
       if (sprout.internodes >= 1)
         decision.sprouts.push_back(sprout);
       else

@@ -20,7 +20,7 @@ struct Row {
   Member member;
 };
 
-constexpr std::array<Row, 22> kRows{{
+constexpr std::array<Row, 24> kRows{{
     {{"rho_m", "rho", "m", 0, 1e-4, 10, "internode length", "Table 2"}, &IgmParameters::rho_m},
     {{"lambda", "lambda", "", 0, 0.01, 0.99,
       "share of an axis against its branch; above 0.5 favours the axis", "4.2 (Table 3 says the reverse)"},
@@ -37,6 +37,11 @@ constexpr std::array<Row, 22> kRows{{
     {{"mu", "mu", "", 0, 0, 20, "weight of the optimal direction", "4.4"}, &IgmParameters::mu},
     {{"gamma", "gamma", "", 0, -20, 20, "weight of the tropism of branches; above 0 droops", "4.4"},
      &IgmParameters::gamma},
+    {{"gamma_late", "gamma", "", 0, -20, 20, "weight of the tropism from late_cycle on", "4.4, Fig. 4"},
+     &IgmParameters::gamma_late},
+    {{"late_cycle", "", "cycles", 0, 1, 1000, "cycle from which gamma_late holds; 1000: never",
+      "4.4, Fig. 4"},
+     &IgmParameters::late_cycle},
     {{"b_min", "b_min", "", 0, 1.01, 20, "shading base until cycle tau", "4.5, Fig. 10b"},
      &IgmParameters::b_min},
     {{"b_max", "b_max", "", 0, 1.01, 20, "shading base from schedule_cycles on", "4.5, Fig. 10b"},

@@ -27,6 +27,8 @@ struct IgmParameters {
   double sigma = 0.5;                                 ///< ageing of light sensitivity
   double mu = 1.0;                                    ///< weight of the optimal (light) direction
   double gamma = 0.2;                                 ///< weight of the tropism of branches
+  double gamma_late = 0.2;                            ///< the same from late_cycle on (Fig. 4)
+  int late_cycle = 1000;                              ///< 1000: never
   double b_min = 1.8;                                 ///< shading base until cycle tau (darker)
   double b_max = 2.2;                                 ///< shading base from cycle schedule_cycles (lighter)
   double shed_ratio = 0.35;                           ///< least mean light of a branch that stays

@@ -8,12 +8,15 @@
 #include <cmath>
 #include <numbers>
 
+#include <Eigen/Geometry>
+
 namespace dendrofit::igm {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 // Distances in internodes: markers nearer than the first are taken, those within the second pull.
 constexpr double kNear = 2, kFar = 4;
+constexpr double kMarkerCell = 4;                    // of the grid that finds them
 constexpr double kConeCosine = 0.86602540378443865;  // 30 degrees
 constexpr double kTrunkTurn = 135 * kPi / 180;       // from one trunk lateral to the next
 constexpr double kLowest = 2;                        // internodes above the root: laterals go no lower
@@ -53,7 +56,7 @@ class Shooting {
   const Obstacles& obstacles_;
   const std::vector<ShadeProfile>& profiles_;
   std::uint64_t seed_;
-  MarkerField markers_{{}, {}, {}, 1.0};
+  MarkerField markers_;
 };
 
 // 150 - 4 (T+1) points a sprouting node, fewer where a tree would exceed its total; in the half ball about
@@ -73,15 +76,17 @@ void Shooting::scatter(const std::vector<Sprout>& sprouts, const LightField& lig
   for (const Sprout& sprout : sprouts) {
     const std::size_t tree = tree_of(sprout);
     const IgmParameters& p = stand_.parameters[tree];
-    cell = std::max(cell, kFar * p.rho_m);
+    cell = std::max(cell, kMarkerCell * p.rho_m);
     const auto i = static_cast<std::size_t>(sprout.node);
     Random random = draws(seed_, static_cast<int>(tree), cycle_, stand_.nodes.id[i], kMarkers);
     const double fair = std::min(std::max(150.0 - 4.0 * (cycle_ + 1), 10.0), p.max_markers / sprouting[tree]);
     const int count = static_cast<int>(fair + random.uniform());
-    const Vec3 along = stand_.internode(i);
+    const Vec3 ahead = unit(stand_.internode(i));
+    const Vec3 side = ahead.unitOrthogonal(), up = ahead.cross(side);
     for (int m = 0; m < count; ++m) {
-      Vec3 direction = random.direction();
-      if (direction.dot(along) < 0) direction = -direction;
+      const double polar = random.uniform(0, kPi / 2), turn = random.uniform(0, 2 * kPi);
+      const Vec3 direction =
+          std::cos(polar) * ahead + std::sin(polar) * (std::cos(turn) * side + std::sin(turn) * up);
       const Vec3 at =
           stand_.nodes.position[i] + p.rho_m * random.uniform(kNear, cap[tree] + kFar) * direction;
       const Voxel v = stand_.frame.at(at);
@@ -138,7 +143,7 @@ void Shooting::shoot(const Sprout& sprout, bool extend) {
     Vec3 optimal;
     if (!markers_.pull(at, heading, kNear * p.rho_m, kFar * p.rho_m, kConeCosine, optimal)) break;
     Vec3 direction = heading + p.mu * optimal;
-    if (lateral) direction += p.gamma * tropism;
+    if (lateral) direction += (cycle_ < p.late_cycle ? p.gamma : p.gamma_late) * tropism;
     Vec3 move = step * unit(direction);
     const double floor = std::min(lowest, at.z());
     if (lateral && at.z() + move.z() < floor) {  // along the ground, not into it

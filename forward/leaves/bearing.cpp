@@ -54,7 +54,7 @@ struct Willingness {
 };
 
 /// Where a model is coarser than real twigs, the thinnest fifth of its branches (or of its stems) bears.
-Bearing rule_for(const Tree& tree, const Bearing& wanted, std::vector<std::string>& warnings) {
+Bearing rule_for(const Tree& tree, const Bearing& wanted, BearingWood& wood) {
   const bool branched =
       std::any_of(tree.order.begin(), tree.order.end(), [](std::int32_t o) { return o > 0; });
   Bearing rule = wanted;
@@ -62,9 +62,10 @@ Bearing rule_for(const Tree& tree, const Bearing& wanted, std::vector<std::strin
   if (thinnest > wanted.twig_radius_m) {
     rule.twig_radius_m = thinnest;
     rule.max_radius_m = std::max({wanted.max_radius_m, 1.5 * thinnest, radius_quantile(tree, 0.5, branched)});
-    if (thinnest > 2 * wanted.twig_radius_m)
-      warnings.push_back("the model has few twigs: leaves sit on wood of up to " +
-                         std::to_string(std::lround(rule.max_radius_m * 1000)) + " mm radius");
+    wood.coarse = thinnest > 1.5 * wanted.twig_radius_m;
+    if (wood.coarse)
+      wood.warnings.push_back("the model has few twigs: leaves sit on wood of up to " +
+                              std::to_string(std::lround(rule.max_radius_m * 1000)) + " mm radius");
   }
   return rule;
 }
@@ -134,6 +135,23 @@ double crown_area(const Tree& tree, const std::vector<Piece>& pieces, double rea
   return plan_hull(points).area_m2;
 }
 
+/// Plan area of the cells within a cell of bearing wood.
+double covered_area(const Tree& tree, const std::vector<Piece>& pieces) {
+  constexpr double kCell = 0.25;
+  std::vector<std::pair<std::int64_t, std::int64_t>> cells;
+  for (const Piece& p : pieces) {
+    const auto i = static_cast<std::size_t>(p.node);
+    const Vec3 at = tree.start[i] + p.t1 * (tree.end[i] - tree.start[i]);
+    const auto x = static_cast<std::int64_t>(std::floor(at.x() / kCell));
+    const auto y = static_cast<std::int64_t>(std::floor(at.y() / kCell));
+    for (std::int64_t dx = -1; dx <= 1; ++dx)
+      for (std::int64_t dy = -1; dy <= 1; ++dy) cells.emplace_back(x + dx, y + dy);
+  }
+  std::sort(cells.begin(), cells.end());
+  const auto last = std::unique(cells.begin(), cells.end());
+  return kCell * kCell * static_cast<double>(last - cells.begin());
+}
+
 }  // namespace
 
 double fit_shares(std::vector<Piece>& pieces, const LeafProfile& profile) {
@@ -178,7 +196,7 @@ double fit_shares(std::vector<Piece>& pieces, const LeafProfile& profile) {
 BearingWood find_bearing_wood(const Tree& tree, const LeafOptions& options) {
   BearingWood wood;
   if (tree.empty()) return wood;
-  const Willingness willing{rule_for(tree, options.traits.bearing, wood.warnings)};
+  const Willingness willing{rule_for(tree, options.traits.bearing, wood)};
   const std::vector<Axis> axes = axes_of(tree);
   wood.axis_tip_m.assign(tree.size(), 0);
   wood.foot_z = foot_height(tree);
@@ -252,11 +270,13 @@ BearingWood find_bearing_wood(const Tree& tree, const LeafOptions& options) {
   wood.cumulative.resize(wood.pieces.size());
   double sum = 0;
   for (std::size_t k = 0; k < wood.pieces.size(); ++k) wood.cumulative[k] = sum += wood.pieces[k].share;
+  wood.covered_m2 = covered_area(tree, wood.pieces);
   double reach = 0;
   for (const LeafShapeShare& s : options.traits.shapes) reach = std::max(reach, BodyPlan(s.shape).reach);
   wood.crown_area_m2 = crown_area(tree, wood.pieces,
                                   reach * options.traits.length.mean_m +
                                       0.5 * (options.traits.petiole_min_m + options.traits.petiole_max_m));
+  wood.covered_m2 = std::min(wood.covered_m2, wood.crown_area_m2);
   return wood;
 }
 

@@ -37,6 +37,8 @@ struct BearingWood {
   double length_m = 0;  ///< of wood that bears
   double radius_m = 0;  ///< the thickest that does
   double crown_area_m2 = 0;
+  double covered_m2 = 0;   ///< plan area within reach of bearing wood: the crown without its bays
+  bool coarse = false;     ///< the model has little wood as thin as a twig
   double unreachable = 0;  ///< largest share that a requested distribution puts where no wood is
   std::vector<std::string> warnings;
 };

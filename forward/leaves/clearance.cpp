@@ -32,9 +32,10 @@ bool apart(const Range& a, const Range& b, double gap) {
   return a.lo - b.hi > gap || b.lo - a.hi > gap;
 }
 
-template <class A, class B>
-bool separated_along(const Vec3& axis, const A& a, const B& b, double gap) {
-  return apart(range_along(axis, a), range_along(axis, b), gap);
+/// Does the blade end, along axis k of its own frame, before the points begin?
+template <class Points>
+bool blade_apart_along(const LeafBody& leaf, std::size_t k, const Points& points, double gap) {
+  return apart({leaf.from[k], leaf.to[k]}, range_along(leaf.frame[k], points), gap);
 }
 
 bool boxes_apart(const Vec3& alo, const Vec3& ahi, const Vec3& blo, const Vec3& bhi, double gap) {
@@ -78,8 +79,8 @@ bool blades_clear(const LeafBody& a, const LeafBody& b, double gap) {
   if (boxes_apart(a.blade_lo, a.blade_hi, b.blade_lo, b.blade_hi, gap)) return true;
   // Blades are thin: a face or an edge plane of either usually parts them.
   for (const int k : {2, 0, 1}) {
-    if (separated_along(a.frame[static_cast<std::size_t>(k)], a.blade, b.blade, gap)) return true;
-    if (separated_along(b.frame[static_cast<std::size_t>(k)], a.blade, b.blade, gap)) return true;
+    if (blade_apart_along(a, static_cast<std::size_t>(k), b.blade, gap)) return true;
+    if (blade_apart_along(b, static_cast<std::size_t>(k), a.blade, gap)) return true;
   }
   for (std::size_t i = 0; i < a.shape->triangles.size(); ++i) {
     const Corners ta = blade_triangle(a, i);
@@ -94,7 +95,7 @@ bool blades_clear(const LeafBody& a, const LeafBody& b, double gap) {
 }
 
 bool petiole_clear_of_blade(const LeafBody& with_petiole, const LeafBody& blade, double gap) {
-  if (separated_along(blade.frame[2], with_petiole.petiole, blade.blade, gap)) return true;
+  if (blade_apart_along(blade, 2, with_petiole.petiole, gap)) return true;
   for (std::size_t k = 0; k < 2; ++k) {
     const Corners tp = petiole_triangle(with_petiole, k);
     if (boxes_apart(tp.lo, tp.hi, blade.blade_lo, blade.blade_hi, gap)) continue;
@@ -200,6 +201,11 @@ void LeafBody::set(const Leaf& leaf, const LeafShape& s) {
     blade_lo = blade_lo.cwiseMin(v);
     blade_hi = blade_hi.cwiseMax(v);
   }
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Range range = range_along(frame[k], blade);
+    from[k] = range.lo;
+    to[k] = range.hi;
+  }
   lo = blade_lo;
   hi = blade_hi;
   has_petiole = petiole_corners(leaf, s, petiole);
@@ -239,29 +245,35 @@ bool cylinder_clear(const LeafBody& leaf, const SolidCylinder& c, double gap) {
     const Vec3 d = p - c.base;
     return Flat{c.side.dot(d), c.other.dot(d), c.axis.dot(d)};
   };
-  thread_local std::vector<Flat> corner;
-  corner.clear();
-  Range x, y, z;
-  const auto add = [&](const Vec3& p) {
-    corner.push_back(flat(p));
-    x.add(corner.back().x);
-    y.add(corner.back().y);
-    z.add(corner.back().z);
-  };
-  for (const Vec3& v : leaf.blade) add(v);
-  if (leaf.has_petiole)
-    for (const Vec3& v : leaf.petiole) add(v);
+  // A cylinder lies within its radius of its axis: past a side of the blade's own box it is far.
   const double far = c.radius + gap;
-  if (z.lo > c.length + gap || z.hi < -gap || x.lo > far || x.hi < -far || y.lo > far || y.hi < -far)
-    return true;
-  for (const auto& t : leaf.shape->triangles)
-    if (!flat_triangle_clear({corner[t[0]], corner[t[1]], corner[t[2]]}, c.length, c.radius, gap))
-      return false;
+  bool blade_far = false;
+  for (std::size_t k = 0; k < 3 && !blade_far; ++k) {
+    const double base = leaf.frame[k].dot(c.base), tip = base + c.length * leaf.frame[k].dot(c.axis);
+    blade_far = std::min(base, tip) - leaf.to[k] > far || leaf.from[k] - std::max(base, tip) > far;
+  }
+  if (!blade_far) {
+    thread_local std::vector<Flat> corner;
+    corner.clear();
+    Range x, y, z;
+    for (const Vec3& v : leaf.blade) {
+      corner.push_back(flat(v));
+      x.add(corner.back().x);
+      y.add(corner.back().y);
+      z.add(corner.back().z);
+    }
+    const bool outside =
+        z.lo > c.length + gap || z.hi < -gap || x.lo > far || x.hi < -far || y.lo > far || y.hi < -far;
+    if (!outside)
+      for (const auto& t : leaf.shape->triangles)
+        if (!flat_triangle_clear({corner[t[0]], corner[t[1]], corner[t[2]]}, c.length, c.radius, gap))
+          return false;
+  }
   if (!leaf.has_petiole) return true;
-  const std::size_t first = leaf.blade.size();
-  return flat_triangle_clear({corner[first], corner[first + 1], corner[first + 2]}, c.length, c.radius,
-                             gap) &&
-         flat_triangle_clear({corner[first], corner[first + 2], corner[first + 3]}, c.length, c.radius, gap);
+  const std::array<Flat, 4> p = {flat(leaf.petiole[0]), flat(leaf.petiole[1]), flat(leaf.petiole[2]),
+                                 flat(leaf.petiole[3])};
+  return flat_triangle_clear({p[0], p[1], p[2]}, c.length, c.radius, gap) &&
+         flat_triangle_clear({p[0], p[2], p[3]}, c.length, c.radius, gap);
 }
 
 }  // namespace dendrofit

@@ -32,7 +32,9 @@ struct BodyPlan {
 /// One leaf as it will be written: blade and petiole on whole micrometres.
 struct LeafBody {
   const LeafShape* shape = nullptr;
-  std::array<Vec3, 3> frame;  ///< blade's across, direction, normal
+  std::array<Vec3, 3> frame;   ///< blade's across, direction, normal
+  std::array<double, 3> from;  ///< its least and
+  std::array<double, 3> to;    ///< greatest coordinate along each
   std::vector<Vec3> blade;
   std::array<Vec3, 4> petiole;
   bool has_petiole = false;

@@ -7,6 +7,7 @@
 #include "forward/leaves/leaf_drift.h"
 #include "forward/leaves/leaf_measures.h"
 #include "forward/leaves/placement.h"
+#include "forward/leaves/twigs.h"
 
 #include <algorithm>
 #include <chrono>
@@ -38,7 +39,7 @@ Target resolve_target(const LeafOptions& options, const BearingWood& wood, doubl
     area = *options.lai * wood.crown_area_m2 * options.season;
   } else {
     report.target = "usual";
-    const double full = options.traits.usual_lai * wood.crown_area_m2;
+    const double full = options.traits.usual_lai * wood.covered_m2;
     const double carried = options.traits.most_per_metre_m2 * wood.length_m;
     area = std::min(full, carried) * options.season;
     if (carried < full)
@@ -118,19 +119,34 @@ void LeafOptions::validate() const {
   require(threads >= 0, "threads", threads, "must not be negative");
 }
 
-LeafResult insert_leaves(const Tree& tree, const LeafOptions& options, Progress& progress) {
-  const auto started = std::chrono::steady_clock::now();
-  options.validate();
-  tree.validate();
+namespace {
+
+/// Leaf area a metre of added twig is to carry, as a share of the most it could.
+constexpr double kTwigLoad = 0.4;
+
+/// The shoots a coarse model needs for what it is asked to carry; none where its own wood will do.
+TwigGrowth missing_twigs(const Tree& tree, const BearingWood& wood, const LeafOptions& options,
+                         double mean_area) {
+  if (!options.complete_twigs || !wood.coarse) return {};
+  LeafReport ignored;
+  Target target = resolve_target(options, wood, mean_area, ignored);
+  double area = target.by_count ? target.value * mean_area : target.value;
+  if (ignored.target == "usual") area = options.traits.usual_lai * wood.covered_m2 * options.season;
+  const double per_metre = options.traits.most_per_metre_m2;
+  if (area <= per_metre * wood.length_m) return {};
+  return grow_twigs(tree, wood, area / (kTwigLoad * per_metre), options.seed);
+}
+
+LeafResult insert_on(const Tree& tree, const LeafOptions& options, const BearingWood& wood,
+                     Progress& progress) {
   LeafResult result;
   LeafReport& report = result.report;
   report.seed = options.seed;
+  report.clearance_m = options.clearance_m;
+  report.source = options.traits.source;
   result.foliage.origin_shift = tree.origin_shift;
   result.foliage.species = options.traits.name;
   for (const LeafShapeShare& s : options.traits.shapes) result.foliage.shapes.push_back(s.shape);
-  if (tree.empty()) throw InputError("leaves: the tree has no cylinder");
-
-  const BearingWood wood = find_bearing_wood(tree, options);
   report.warnings = wood.warnings;
   report.bearing_length_m = wood.length_m;
   report.bearing_radius_m = wood.radius_m;
@@ -160,7 +176,35 @@ LeafResult insert_leaves(const Tree& tree, const LeafOptions& options, Progress&
   const double per_unit = target.by_count ? source.mean_area_m2() : 1;
   report_bins(placement, wood, per_unit, report);
   report_shortfall(target, placement, per_unit, report);
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  return result;
+}
+
+}  // namespace
+
+LeafResult insert_leaves(const Tree& tree, const LeafOptions& options, Progress& progress) {
+  const auto started = std::chrono::steady_clock::now();
+  options.validate();
+  tree.validate();
+  if (tree.empty()) throw InputError("leaves: the tree has no cylinder");
+  const BearingWood wood = find_bearing_wood(tree, options);
+  TwigGrowth growth = missing_twigs(tree, wood, options, options.traits.mean_leaf_area_m2());
+  LeafResult result;
+  if (growth.twigs.empty()) {
+    result = insert_on(tree, options, wood, progress);
+  } else {
+    const Tree completed = with_twigs(tree, growth);
+    result = insert_on(completed, options, find_bearing_wood(completed, options), progress);
+    for (Leaf& leaf : result.foliage.leaves)
+      if (const auto node = static_cast<std::size_t>(leaf.node); node >= tree.size())
+        leaf.node = growth.bearer[node - tree.size()];
+    for (std::size_t i = 0; i < growth.twigs.size(); ++i)
+      result.report.added_twigs_m += growth.twigs.length(i);
+    result.report.warnings.push_back(
+        "the model ends coarser than twigs: " + std::to_string(std::lround(result.report.added_twigs_m)) +
+        " m of leafy shoots were added to its outer wood");
+    result.foliage.twigs = std::move(growth.twigs);
+  }
+  result.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   return result;
 }
 

@@ -41,7 +41,8 @@ struct LeafProfile {
 };
 
 struct LeafOptions {
-  /// At most one of the three; none: the species' usual LAI, as far as the twigs carry it.
+  /// At most one of the three; none: the species' usual LAI over the plan area that
+  /// bearing wood covers, as far as the twigs carry it.
   std::optional<double> area_m2;  ///< one-sided
   std::optional<std::size_t> count;
   std::optional<double> lai;  ///< over the crown projection (plan hull of the bearing wood)
@@ -53,6 +54,9 @@ struct LeafOptions {
   std::optional<PointCloud> measured;
   double measured_reach_m = 0.5;  ///< points further from any bearing wood count for none
 
+  /// Where the model ends coarser than twigs and cannot carry the target, shoots are added to its outer wood
+  /// (Foliage::twigs); false: leaves sit on what wood there is.
+  bool complete_twigs = true;
   double clearance_m = 1e-4;         ///< at least 0.1 mm
   bool on_ground = true;             ///< keep above the level of the tree's foot
   std::optional<double> ground_z_m;  ///< that level where it is known, local coordinates

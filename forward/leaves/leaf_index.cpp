@@ -44,8 +44,8 @@ std::array<std::int64_t, 3> LeafIndex::cell_at(const Vec3& p) const {
 }
 
 std::uint64_t LeafIndex::block_of(const Vec3& foot) const {
-  const std::array<std::int64_t, 3> c = cell_at(foot);
-  return pack(floor_div(c[0], cells_), floor_div(c[1], cells_), floor_div(c[2], cells_));
+  const std::array<std::int64_t, 3> b = block_at(cell_at(foot));
+  return pack(b[0], b[1], b[2]);
 }
 
 int LeafIndex::colour_of(std::uint64_t block) const {
@@ -87,22 +87,26 @@ LeafIndex::Box LeafIndex::outward(const Vec3& lo, const Vec3& hi) {
   return box;
 }
 
-const std::uint32_t* LeafIndex::head_of(std::int64_t x, std::int64_t y, std::int64_t z) const {
-  const std::int64_t bx = floor_div(x, cells_), by = floor_div(y, cells_), bz = floor_div(z, cells_);
-  const auto found = first_head_.find(pack(bx, by, bz));
-  if (found == first_head_.end()) return nullptr;
-  const std::int64_t within = ((x - bx * cells_) * cells_ + (y - by * cells_)) * cells_ + (z - bz * cells_);
-  return heads_.data() + found->second + static_cast<std::size_t>(within);
+std::array<std::int64_t, 3> LeafIndex::block_at(const std::array<std::int64_t, 3>& c) const {
+  return {floor_div(c[0], cells_), floor_div(c[1], cells_), floor_div(c[2], cells_)};
+}
+
+const std::uint32_t* LeafIndex::heads_of(const std::array<std::int64_t, 3>& b) const {
+  const auto found = first_head_.find(pack(b[0], b[1], b[2]));
+  return found == first_head_.end() ? nullptr : heads_.data() + found->second;
 }
 
 void LeafIndex::insert(std::uint32_t slot, const Vec3& lo, const Vec3& hi) {
-  const std::array<std::int64_t, 3> c = cell_at(0.5 * (lo + hi));
-  const std::uint32_t* head = head_of(c[0], c[1], c[2]);
-  if (!head) throw std::logic_error("leaves: a leaf reaches further from its foot than its shape allows");
-  Box box = outward(lo, hi);
-  box.next = *head;
-  boxes_[slot] = box;
-  heads_[static_cast<std::size_t>(head - heads_.data())] = slot;
+  const std::array<std::int64_t, 3> c = cell_at(0.5 * (lo + hi)), b = block_at(c);
+  const auto found = first_head_.find(pack(b[0], b[1], b[2]));
+  if (found == first_head_.end())
+    throw std::logic_error("leaves: a leaf reaches further from its foot than its shape allows");
+  const std::int64_t within =
+      ((c[0] - b[0] * cells_) * cells_ + (c[1] - b[1] * cells_)) * cells_ + (c[2] - b[2] * cells_);
+  std::uint32_t& head = heads_[found->second + static_cast<std::size_t>(within)];
+  boxes_[slot] = outward(lo, hi);
+  boxes_[slot].next = head;
+  head = slot;
 }
 
 }  // namespace dendrofit

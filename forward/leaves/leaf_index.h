@@ -7,6 +7,7 @@
 
 #include "core/types.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -39,13 +40,24 @@ class LeafIndex {
     const Vec3 wide = Vec3::Constant(half_extent_ + gap);
     const std::array<std::int64_t, 3> first = cell_at(lo - wide), last = cell_at(hi + wide);
     const Box box = outward(lo - Vec3::Constant(gap), hi + Vec3::Constant(gap));
-    for (std::int64_t x = first[0]; x <= last[0]; ++x)
-      for (std::int64_t y = first[1]; y <= last[1]; ++y)
-        for (std::int64_t z = first[2]; z <= last[2]; ++z) {
-          const std::uint32_t* head = head_of(x, y, z);
-          if (!head) continue;
-          for (std::uint32_t slot = *head; slot != kNone; slot = boxes_[slot].next)
-            if (overlap(box, boxes_[slot]) && !visit(slot)) return false;
+    const std::array<std::int64_t, 3> b0 = block_at(first), b1 = block_at(last);
+    std::array<std::int64_t, 3> b;
+    for (b[0] = b0[0]; b[0] <= b1[0]; ++b[0])
+      for (b[1] = b0[1]; b[1] <= b1[1]; ++b[1])
+        for (b[2] = b0[2]; b[2] <= b1[2]; ++b[2]) {
+          const std::uint32_t* heads = heads_of(b);
+          if (!heads) continue;
+          std::array<std::int64_t, 3> from, to;  // cells of this block
+          for (std::size_t k = 0; k < 3; ++k) {
+            from[k] = std::max<std::int64_t>(first[k] - b[k] * cells_, 0);
+            to[k] = std::min<std::int64_t>(last[k] - b[k] * cells_, cells_ - 1);
+          }
+          for (std::int64_t x = from[0]; x <= to[0]; ++x)
+            for (std::int64_t y = from[1]; y <= to[1]; ++y)
+              for (std::int64_t z = from[2]; z <= to[2]; ++z)
+                for (std::uint32_t slot = heads[(x * cells_ + y) * cells_ + z]; slot != kNone;
+                     slot = boxes_[slot].next)
+                  if (overlap(box, boxes_[slot]) && !visit(slot)) return false;
         }
     return true;
   }
@@ -62,7 +74,8 @@ class LeafIndex {
            a.lo[2] <= b.hi[2] && b.lo[2] <= a.hi[2];
   }
   std::array<std::int64_t, 3> cell_at(const Vec3& p) const;
-  const std::uint32_t* head_of(std::int64_t x, std::int64_t y, std::int64_t z) const;
+  std::array<std::int64_t, 3> block_at(const std::array<std::int64_t, 3>& cell) const;
+  const std::uint32_t* heads_of(const std::array<std::int64_t, 3>& block) const;
 
   double half_extent_;
   double cell_;

@@ -58,6 +58,7 @@ struct LeafReport {
   double crown_area_m2 = 0;     ///< plan hull of the leaves' positions and the bearing wood
   double bearing_length_m = 0;  ///< of wood that bears leaves
   double bearing_radius_m = 0;  ///< the thickest that does
+  double added_twigs_m = 0;     ///< of shoots added to a coarse model (Foliage::twigs)
   std::vector<LeafDistribution> distributions;
   std::vector<LeafBudgetBin> bins;
   double profile_step_m = 0.5;
@@ -74,6 +75,8 @@ struct LeafReport {
   std::size_t wood_tests = 0;
   int rounds = 0;
   std::uint64_t seed = 0;
+  double clearance_m = 1e-4;
+  std::string source;  ///< of the species' numbers
   double seconds = 0;  ///< the only field that differs between equal runs
   std::vector<std::string> warnings;
 };

@@ -284,12 +284,15 @@ LeafShape needle_bundle(int needles, double needle_width, double spread_deg) {
   LeafShape shape;
   shape.name = "needle bundle";
   shape.petiole_width = needle_width;
+  // Needles part far enough from the common point not to share their bases' width.
+  const double solid = 2 * kPi * (1 - std::cos(radians(spread_deg)));
+  const double base = needles == 1 ? 0 : 2.2 * needle_width / std::sqrt(solid / needles);
   for (int k = 0; k < needles; ++k) {
     // Even over the cap of the sphere about +y that the spread leaves.
     const double lean = needles == 1 ? 0 : radians(spread_deg) * std::sqrt((k + 0.5) / needles);
     const double turn = k * kPi * (3 - std::sqrt(5.0));
     const Vec3 along(std::sin(lean) * std::cos(turn), std::cos(lean), std::sin(lean) * std::sin(turn));
-    add_needle(shape, 0.01 * along, along, 1, needle_width);
+    add_needle(shape, base * along, along, 1, needle_width);
   }
   return scaled_to_unit_length(std::move(shape));
 }
@@ -311,6 +314,12 @@ LeafShape flower(int petals) {
     add(shape, first, first + 1, first + 2);
     add(shape, first, first + 2, first + 3);
   }
+  // The centre: a square above the petals' feet.
+  const std::size_t first = shape.vertices.size();
+  for (int k = 0; k < 4; ++k)
+    shape.vertices.emplace_back(0.12 * std::cos(kPi * k / 2), 0.12 * std::sin(kPi * k / 2), 0.12);
+  add(shape, first, first + 1, first + 2);
+  add(shape, first, first + 2, first + 3);
   return scaled_to_unit_length(std::move(shape));
 }
 

@@ -114,8 +114,8 @@ LeafTraits conifer(const char* source) {
   t.source = source;
   t.inclination = inclination_law("spherical");
   t.azimuth.kind = AzimuthLaw::Kind::uniform;
-  t.petiole_min_m = 0.0;
-  t.petiole_max_m = 0.0;
+  t.petiole_min_m = 0.0015;
+  t.petiole_max_m = 0.003;
   t.petiole_rise = 0.15;
   return t;
 }

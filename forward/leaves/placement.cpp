@@ -13,7 +13,7 @@ namespace dendrofit {
 namespace {
 
 constexpr std::size_t kFewLeft = 512;    // from here on one by one, to stop right at the target
-constexpr double kFullBelow = 0.03;      // a bin that takes fewer of its candidates is full
+constexpr double kFullBelow = 0.1;       // a bin that takes fewer of its candidates is full
 constexpr std::size_t kJudgeAfter = 64;  // candidates
 constexpr int kMostRounds = 300;
 

@@ -2,6 +2,9 @@
 // Just enough of a reader for three published cylinder models, so that these tests need no other floor.
 #pragma once
 
+#include "core/tree.h"
+#include "core/tree_topology.h"
+
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -9,20 +12,17 @@
 #include <string>
 #include <vector>
 
-#include "core/tree.h"
-#include "core/tree_topology.h"
-
 namespace dendrofit::test {
 
 struct QsmColumns {
   char delimiter = ',';
   bool header = true;
-  int start = 0;     ///< x; y and z follow
-  int end = 3;       ///< x of the end point, or of the unit axis where has_axis
+  int start = 0;  ///< x; y and z follow
+  int end = 3;    ///< x of the end point, or of the unit axis where has_axis
   bool has_axis = false;
-  int length = -1;   ///< only with has_axis
+  int length = -1;  ///< only with has_axis
   int radius = 9;
-  int id = 6;        ///< -1: the row's number, from 1
+  int id = 6;  ///< -1: the row's number, from 1
   int parent = 7;
 };
 
@@ -36,14 +36,16 @@ inline Tree read_qsm(const std::filesystem::path& path, const QsmColumns& column
   while (std::getline(in, line)) {
     std::vector<double> v;
     std::istringstream cells(line);
-    for (std::string cell; std::getline(cells, cell, columns.delimiter);) v.push_back(std::atof(cell.c_str()));
+    for (std::string cell; std::getline(cells, cell, columns.delimiter);)
+      v.push_back(std::atof(cell.c_str()));
     if (v.size() < 10) continue;
     ++row;
     const auto at = [&](int k) { return v[static_cast<std::size_t>(k)]; };
     const auto point = [&](int k) { return Vec3(at(k), at(k + 1), at(k + 2)); };
     TreeNode node;
     node.start = point(columns.start);
-    node.end = columns.has_axis ? Vec3(node.start + at(columns.length) * point(columns.end)) : point(columns.end);
+    node.end =
+        columns.has_axis ? Vec3(node.start + at(columns.length) * point(columns.end)) : point(columns.end);
     node.radius = at(columns.radius);
     const auto parent = node_of.find(static_cast<int>(at(columns.parent)));
     node.parent = parent == node_of.end() ? -1 : parent->second;
@@ -64,10 +66,21 @@ inline Tree read_qsm(const std::filesystem::path& path, const QsmColumns& column
   return tree;
 }
 
-inline QsmColumns archi_columns() { return {}; }
-inline QsmColumns simpleforest_columns() { return {.start = 2, .end = 5, .radius = 8, .id = 0, .parent = 1}; }
+inline QsmColumns archi_columns() {
+  return {};
+}
+inline QsmColumns simpleforest_columns() {
+  return {.start = 2, .end = 5, .radius = 8, .id = 0, .parent = 1};
+}
 inline QsmColumns treeqsm_columns() {
-  return {.delimiter = '\t', .header = false, .start = 2, .end = 5, .has_axis = true, .length = 1, .radius = 0, .id = -1,
+  return {.delimiter = '\t',
+          .header = false,
+          .start = 2,
+          .end = 5,
+          .has_axis = true,
+          .length = 1,
+          .radius = 0,
+          .id = -1,
           .parent = 8};
 }
 

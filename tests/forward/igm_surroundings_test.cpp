@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What section 5 of the paper shows, with numbers: effects against seed noise.
+#include "forward/igm/grow.h"
+#include "tests/forward/igm_seeds.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace dendrofit {
+namespace {
+
+using test::at_cycle;
+using test::crown_centroid;
+using test::effect;
+using test::grow_seeds;
+using test::Sample;
+using test::sample;
+
+IgmParameters standard(int cycles) {
+  IgmParameters p = igm_preset("standard").parameters;
+  p.cycles = cycles;
+  return p;
+}
+
+double wood(const IgmGrowth& growth) {
+  return static_cast<double>(growth.tree.size());
+}
+
+bool touches(const Tree& tree, const SolidBox& box) {
+  for (std::size_t i = 0; i < tree.size(); ++i)
+    for (int s = 0; s <= 20; ++s) {
+      const Vec3 at = tree.start[i] + s / 20.0 * (tree.end[i] - tree.start[i]);
+      if ((at.array() > box.min.array()).all() && (at.array() < box.max.array()).all()) return true;
+    }
+  return false;
+}
+
+TEST(IgmSurroundings, beside_a_wall_no_wood_crosses_it_and_the_crown_moves_away) {
+  IgmSite site;
+  site.solids.boxes.push_back({{0.5, -8, -1}, {0.6, 8, 12}});
+  const auto beside = grow_seeds(standard(12), 6, site);
+  for (const IgmGrowth& growth : beside) {
+    EXPECT_FALSE(touches(growth.tree, site.solids.boxes[0]));
+    for (const Vec3& end : growth.tree.end) EXPECT_LT(end.x(), 0.5);
+  }
+  const auto x = [](const IgmGrowth& g) { return crown_centroid(g.tree).x(); };
+  const double d = effect(sample(grow_seeds(standard(12), 6), x), sample(beside, x));
+  RecordProperty("effect", std::to_string(d));
+  EXPECT_LT(d, -2);
+}
+
+TEST(IgmSurroundings, under_a_board_branches_go_round) {
+  IgmSite site;
+  site.solids.boxes.push_back({{0.3, -1.5, 2.5}, {3, 1.5, 2.55}});
+  const SolidBox below{{0.4, -1.4, 0}, {2.9, 1.4, 2.5}};
+  const auto share_below = [&](const IgmGrowth& g) {
+    double in = 0;
+    for (const Vec3& end : g.tree.end)
+      in += (end.array() > below.min.array()).all() && (end.array() < below.max.array()).all();
+    return in / static_cast<double>(g.tree.size());
+  };
+  const auto under = grow_seeds(standard(12), 6, site);
+  for (const IgmGrowth& growth : under) {
+    EXPECT_FALSE(touches(growth.tree, site.solids.boxes[0]));
+    EXPECT_GT(growth.series.back().height_m, 3.5);  // past the board
+  }
+  const double d = effect(sample(grow_seeds(standard(12), 6), share_below), sample(under, share_below));
+  RecordProperty("effect", std::to_string(d));
+  EXPECT_LT(d, -2);
+}
+
+TEST(IgmSurroundings, a_wall_as_mesh_half_space_or_box_keeps_all_wood_on_its_side) {
+  IgmSite site;
+  site.solids.half_spaces.push_back({{0.5, 0, 0}, {-1, 0, 0.2}});
+  for (const IgmGrowth& growth : grow_seeds(standard(9), 2, site))
+    for (const Vec3& end : growth.tree.end)
+      EXPECT_GT((end - site.solids.half_spaces[0].point).dot(site.solids.half_spaces[0].normal), 0);
+}
+
+TEST(IgmSurroundings, of_five_trees_the_centre_one_stays_smaller) {
+  IgmSite site;
+  for (const Vec3& root :
+       {Vec3(0, 0, 0), Vec3(1.2, 0, 0), Vec3(-1.2, 0, 0), Vec3(0, 1.2, 0), Vec3(0, -1.2, 0)})
+    site.trees.push_back({{root}, std::nullopt});
+  const auto stands = grow_seeds(standard(13), 5, site);
+  Sample centre, outer;
+  for (const IgmGrowth& stand : stands) {
+    stand.tree.validate();
+    centre.values.push_back(at_cycle(stand, 13, 0).volume_m3);
+    double sum = 0;
+    for (int tree = 1; tree < 5; ++tree) sum += at_cycle(stand, 13, tree).volume_m3;
+    outer.values.push_back(sum / 4);
+  }
+  RecordProperty("effect", std::to_string(effect(outer, centre)));
+  EXPECT_LT(effect(outer, centre), -1);
+  EXPECT_EQ(tree_of(stands[0], 0).size(), static_cast<std::size_t>(at_cycle(stands[0], 13, 0).internodes));
+}
+
+TEST(IgmSurroundings, the_tree_with_the_smaller_limit_falls_behind_and_stops_early) {
+  IgmSite site;
+  site.trees.push_back({{Vec3(0, 0, 0)}, igm_preset("table2-05").parameters});
+  site.trees.push_back({{Vec3(1.2, 0, 0)}, igm_preset("table2-06").parameters});
+  IgmSite alone;
+  alone.trees.push_back(site.trees[0]);
+  const auto last_growth = [](const IgmGrowth& g) {
+    int last = 0;
+    for (std::size_t i = 0; i < g.series.size(); ++i) {
+      if (g.series[i].tree != 0 || g.series[i].cycle == 0) continue;
+      const GrowthRecord& before = at_cycle(g, g.series[i].cycle - 1);
+      if (g.series[i].height_m > before.height_m + 0.005) last = g.series[i].cycle;
+    }
+    return last;
+  };
+  Sample pair, single, stop;
+  for (const IgmGrowth& g : grow_seeds(IgmParameters(), 4, site)) {
+    EXPECT_LT(at_cycle(g, 20, 0).height_m, at_cycle(g, 20, 1).height_m);
+    pair.values.push_back(static_cast<double>(at_cycle(g, 20, 0).volume_m3));
+    stop.values.push_back(last_growth(g));
+  }
+  for (const IgmGrowth& g : grow_seeds(IgmParameters(), 4, alone))
+    single.values.push_back(static_cast<double>(at_cycle(g, 20, 0).volume_m3));
+  RecordProperty("effect", std::to_string(effect(single, pair)));
+  RecordProperty("last height growth", std::to_string(stop.mean()));
+  EXPECT_LT(effect(single, pair), -2);
+  EXPECT_LT(stop.mean(), 19);
+}
+
+TEST(IgmSurroundings, higher_lambda_gives_fewer_and_weaker_laterals) {
+  IgmParameters low = standard(12), high = standard(12);
+  low.lambda = 0.48, high.lambda = 0.56;
+  const auto lateral_wood = [](const IgmGrowth& g) {
+    double lateral = 0;
+    for (std::size_t i = 0; i < g.tree.size(); ++i) lateral += g.tree.order[i] > 0;
+    return lateral / static_cast<double>(g.tree.size() - static_cast<std::size_t>(lateral));
+  };
+  const double d =
+      effect(sample(grow_seeds(low, 6), lateral_wood), sample(grow_seeds(high, 6), lateral_wood));
+  RecordProperty("effect", std::to_string(d));
+  EXPECT_LT(d, -1);
+}
+
+TEST(IgmSurroundings, higher_k_is_denser) {
+  IgmParameters low = igm_preset("table2-06").parameters, high = low;
+  low.cycles = high.cycles = 12;
+  low.k = 0.35, high.k = 0.5;
+  const double d = effect(sample(grow_seeds(low, 6), wood), sample(grow_seeds(high, 6), wood));
+  RecordProperty("effect", std::to_string(d));
+  EXPECT_GT(d, 1);
+}
+
+TEST(IgmSurroundings, a_higher_shedding_ratio_is_sparser) {
+  IgmParameters low = standard(12), high = standard(12);
+  low.shed_ratio = 0.2, high.shed_ratio = 0.5;
+  const double d = effect(sample(grow_seeds(low, 6), wood), sample(grow_seeds(high, 6), wood));
+  RecordProperty("effect", std::to_string(d));
+  EXPECT_LT(d, -2);
+}
+
+// Internodes per cubic metre in the inner half of the crown, over that of the whole crown.
+double interior_density(const IgmGrowth& g) {
+  const Tree& tree = g.tree;
+  double top = 0;
+  for (const Vec3& end : tree.end) top = std::max(top, end.z());
+  std::vector<double> radius;
+  for (const Vec3& end : tree.end)
+    if (end.z() > 0.3 * top && end.z() < 0.8 * top) radius.push_back(std::hypot(end.x(), end.y()));
+  std::sort(radius.begin(), radius.end());
+  const double crown = radius[radius.size() * 95 / 100];
+  const auto inner = std::lower_bound(radius.begin(), radius.end(), 0.5 * crown) - radius.begin();
+  return 4.0 * static_cast<double>(inner) / static_cast<double>(radius.size());
+}
+
+TEST(IgmSurroundings, ageing_and_lightening_shade_bare_the_interior) {
+  IgmParameters changing = igm_preset("table2-11").parameters, constant = changing;
+  changing.cycles = constant.cycles = 16;
+  constant.sigma = 0;
+  constant.b_min = constant.b_max = 2.2;
+  const double d = effect(sample(grow_seeds(constant, 4), interior_density),
+                          sample(grow_seeds(changing, 4), interior_density));
+  RecordProperty("effect", std::to_string(d));
+  EXPECT_LT(d, -1);
+}
+
+TEST(IgmSurroundings, the_equation_holds_the_height_though_cycles_go_on) {
+  IgmParameters p = igm_preset("standard").parameters;
+  p.cycles = 60;
+  for (const IgmGrowth& growth : grow_seeds(p, 2)) {
+    EXPECT_LE(growth.last_cycle, 20);
+    EXPECT_LT(growth.series.back().cycle, 25);
+    EXPECT_NEAR(growth.series.back().height_m, at_cycle(growth, 19).height_m, 0.05);
+    EXPECT_LT(growth.series.back().height_m, 100 * p.rho_m);
+  }
+}
+
+TEST(IgmSurroundings, a_shrub_of_ten_roots_is_one_tree_with_ten_stems) {
+  const IgmPreset& preset = igm_preset("table2-09");
+  IgmSite site;
+  site.trees.resize(1);
+  for (int i = 0; i < preset.roots; ++i)
+    site.trees[0].roots.emplace_back(0.08 * std::cos(0.628 * i), 0.08 * std::sin(0.628 * i), 0);
+  const IgmGrowth growth = grow_igm(preset.parameters, site);
+  growth.tree.validate();
+  EXPECT_EQ(std::count(growth.tree.parent.begin(), growth.tree.parent.end(), -1), 10);
+  EXPECT_NEAR(growth.series.back().height_m, preset.printed_height_m, 0.3);
+}
+
+}  // namespace
+}  // namespace dendrofit
