@@ -22,7 +22,7 @@ target_compile_definitions(dendrofit_flags INTERFACE EIGEN_MALLOC_ALREADY_ALIGNE
 target_compile_options(dendrofit_flags INTERFACE -ffp-contract=off)
 install(TARGETS dendrofit_flags EXPORT dendrofitTargets)
 
-set(DENDROFIT_PRIVATE_OPTIONS -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor)
+set(DENDROFIT_PRIVATE_OPTIONS -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wno-missing-field-initializers)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # GCC 12 sees overlapping copies in every "text" + std::string (its bug 105651).
   list(APPEND DENDROFIT_PRIVATE_OPTIONS -Wno-restrict)

@@ -83,8 +83,11 @@ TEST(FitTree, starved_and_poor_input_end_politely) {
 
   options.evaluations = 40;
   const TreeFit bare = fit_tree(test::pole(3, 0.03), options);
-  for (const FittedParameter& p : bare.parameters)
-    if (p.key == "branch_angle_deg") EXPECT_FALSE(p.identifiable);
+  for (const FittedParameter& p : bare.parameters) {
+    if (p.key == "branch_angle_deg") {
+      EXPECT_FALSE(p.identifiable);
+    }
+  }
 }
 
 TEST(FitTree, refuses_nonsense) {
