@@ -25,6 +25,8 @@ constexpr auto kCommands = std::to_array<CommandRow>({
     {"info", "what a file holds", "dendrofit info tree.las", &make_info},
     {"convert", "between point cloud, QSM and mesh formats", "dendrofit convert tree.las tree.ply",
      &make_convert},
+    {"view", "a picture of results, a point cloud or a QSM, without a display",
+     "dendrofit view result --png tree.png --azimuth 30 --elevation 15", &make_view},
 });
 
 std::string with_interval(const TreeMetrics& metrics, const std::string& key, double factor,

@@ -19,6 +19,7 @@ std::unique_ptr<Command> make_leaves();
 std::unique_ptr<Command> make_scan();
 std::unique_ptr<Command> make_info();
 std::unique_ptr<Command> make_convert();
+std::unique_ptr<Command> make_view();
 
 /// A forester's summary of a tree: height, DBH, volumes, crown, branches; with intervals where there are any.
 void say_metrics(const Session& session, const Tree& tree, const TreeMetrics& metrics);

@@ -28,7 +28,8 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   list(APPEND DENDROFIT_PRIVATE_OPTIONS -Wno-restrict)
 endif()
 if(DENDROFIT_WERROR)
-  list(APPEND DENDROFIT_PRIVATE_OPTIONS -Werror)
+  # GCC 12 suspects members of empty std::optional values that are never read.
+  list(APPEND DENDROFIT_PRIVATE_OPTIONS -Werror -Wno-error=maybe-uninitialized)
 endif()
 if(DENDROFIT_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)

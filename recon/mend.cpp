@@ -32,8 +32,9 @@ std::uint32_t foremost(const std::vector<Vec3>& points, const std::vector<std::u
 
 std::vector<Bridge> mend_cut_branches(const std::vector<Vec3>& points, const std::vector<Section>& sections,
                                       double spacing_m, double max_gap_m) {
-  constexpr double kThick = 0.012;       // thinner ends may be real ones
-  constexpr double kStraight = 0.8;      // cosine of a turn that still goes on
+  constexpr double kThick = 0.012;   // thinner ends may be real ones
+  constexpr double kStraight = 0.8;  // cosine of a turn that still goes on
+  constexpr int kBridgesPerEnd = 3;
   constexpr double kFarthestRadii = 12;  // ahead of the end
   constexpr std::size_t kFewestPoints = 8;
   std::vector<Bridge> bridges;
@@ -60,6 +61,7 @@ std::vector<Bridge> mend_cut_branches(const std::vector<Vec3>& points, const std
     const Vec3 direction = run_direction(sections, i);
     const double farthest = std::min(max_gap_m, kFarthestRadii * end.radius_m + 4 * spacing_m);
     index.within(end.centre, farthest, found);
+    int made = 0;
     for (const Neighbor& f : found) {
       const std::size_t j = which[f.index];
       const Section& other = sections[j];
@@ -73,7 +75,7 @@ std::vector<Bridge> mend_cut_branches(const std::vector<Vec3>& points, const std
       const bool goes_on_there = along > -end.radius_m &&
                                  aside < 0.7 * end.radius_m + 0.12 * std::abs(along) &&
                                  std::abs(other.direction.dot(direction)) > 0.75 &&
-                                 other.extent_m > 0.45 * end.radius_m && other.extent_m < 1.4 * end.radius_m;
+                                 other.extent_m > 0.35 * end.radius_m && other.extent_m < 1.4 * end.radius_m;
       // ... or thicker wood, of which this end is then the base: branches end thin in the open, not thick
       // before a stem.
       const bool bears_it = along > 0 && other.radius_m > end.radius_m &&
@@ -84,7 +86,7 @@ std::vector<Bridge> mend_cut_branches(const std::vector<Vec3>& points, const std
       const std::uint32_t b = foremost(points, other.points, -direction);
       const double gap = (points[a] - points[b]).norm();
       bridges.push_back({a, b, gap, gap});
-      break;  // the nearest one
+      if (++made == kBridgesPerEnd) break;
     }
   }
   return bridges;

@@ -19,8 +19,10 @@
 namespace dendrofit {
 namespace {
 
-constexpr double kGrid =
-    1e-5;  // local coordinates live on this grid, so that a shift of the cloud changes no bit
+// Local coordinates live on a grid of 0.1 mm, cut where no decimal fraction lies, so that moving the cloud to
+// map coordinates (whose last bit is a nanometre) changes next to no bit of them.
+constexpr double kGrid = 1e-4;
+constexpr double kCut = 0.5771;
 
 std::uint64_t spread_bits(std::uint64_t v) {
   v &= 0x1fffff;
@@ -37,9 +39,11 @@ std::uint64_t morton(const Vec3& p, double cell) {
          spread_bits(static_cast<std::uint64_t>(p.z() / cell)) << 2;
 }
 
+double on_grid(double x) {
+  return std::floor(x / kGrid + kCut) * kGrid;
+}
 Vec3 on_grid(const Vec3& p) {
-  return {std::round(p.x() / kGrid) * kGrid, std::round(p.y() / kGrid) * kGrid,
-          std::round(p.z() / kGrid) * kGrid};
+  return {on_grid(p.x()), on_grid(p.y()), on_grid(p.z())};
 }
 
 /// The lowest believable height of each plan cell: the third lowest point, so that two stray points cannot

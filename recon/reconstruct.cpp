@@ -6,6 +6,7 @@
 #include "recon/foot.h"
 #include "recon/forks.h"
 #include "recon/graph.h"
+#include "recon/intervals.h"
 #include "recon/mend.h"
 #include "recon/preprocess.h"
 #include "recon/radii.h"
@@ -126,6 +127,21 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   if (result.tree.empty()) throw SolverError("no wood could be followed from the stem's foot upwards");
   result.metrics = measure(result.tree, MetricsOptions{.dbh_height_m = options.dbh_height_m});
   result.metrics.wood_share = result.wood_share;
+  if (result.metrics.dbh_m) {
+    const double breast = tree_feet.front().position.z() + options.dbh_height_m;
+    const std::optional<SliceDiameter> slice = slice_diameter(scan.points, limbs, breast, result.noise_m);
+    if (slice) result.metrics.dbh_m = slice->diameter_m;
+    if (slice && slice->coverage < 0.6)
+      result.warnings.push_back("the stem at breast height is seen from one side: its diameter rests on " +
+                                std::to_string(static_cast<int>(std::lround(100 * slice->coverage))) +
+                                " % of the girth");
+    if (!slice)
+      result.warnings.push_back("no clear circle at breast height: the diameter there is interpolated");
+    estimate_intervals(result.tree, slice, result.noise_m, graph.typical_spacing_m, result.metrics);
+  } else {
+    estimate_intervals(result.tree, std::nullopt, result.noise_m, graph.typical_spacing_m, result.metrics);
+  }
+  for (const Section& s : sections) result.bridged_gaps += s.after_gap;
   clock.mark("tree");
   return result;
 }

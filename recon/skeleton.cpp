@@ -48,7 +48,7 @@ SectionTree prune(const std::vector<Vec3>& points, const std::vector<Section>& s
         // What a side shoot reaches beyond its bearer's surface must exceed noise and the bearer's own
         // roughness.
         const double out = way(c) - sections[i].radius_m;
-        if (c == longest || out >= shortest + 0.3 * sections[i].radius_m)
+        if (c == longest || out >= shortest + 0.15 * sections[i].radius_m)
           kept.push_back(c);
         else
           tree.merged_into[static_cast<std::size_t>(c)] = static_cast<std::int32_t>(i);
@@ -137,7 +137,7 @@ void measure_lengths(std::vector<Limb>& limbs) {
 std::vector<Limb> make_limbs(const std::vector<Vec3>& points, const std::vector<Section>& sections,
                              double spacing_m, const SkeletonOptions& options) {
   options.validate();
-  const double shortest = std::max(options.shortest_limb_m, 3 * spacing_m);
+  const double shortest = std::max(options.shortest_limb_m, 1.5 * spacing_m);
   SectionTree tree = prune(points, sections, shortest);
   std::vector<Limb> limbs;
   struct Start {

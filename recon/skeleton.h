@@ -35,7 +35,7 @@ struct Limb {
 };
 
 struct SkeletonOptions {
-  double shortest_limb_m = 0.03;  ///< shorter side shoots are noise about their bearer
+  double shortest_limb_m = 0.02;  ///< shorter side shoots are noise about their bearer
   void validate() const;
 };
 

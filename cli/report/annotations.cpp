@@ -41,6 +41,11 @@ std::vector<std::pair<Rgb, std::string>> legend_of(const Panel& panel) {
   return rows;
 }
 
+void veil(Image& image, int from_y, int to_y, Rgb colour) {
+  for (int y = from_y; y < to_y; ++y)
+    for (int x = 0; x < image.width; ++x) image.blend(x, y, colour, 0.85);
+}
+
 double text_size(const RenderOptions& options) {
   return std::clamp(options.height_px / 48.0, 8.0, 24.0);
 }
@@ -59,6 +64,12 @@ void annotate_panel(const Panel& panel, const RenderOptions& options, const View
   const double size = text_size(options);
   const double middle = 0.5 * image.width;
   const double room = image.width - 1.2 * size;
+  if (options.camera.zoom_box) {
+    // The picture runs on under the words: a veil keeps them readable.
+    const Margins margins = margins_of(options);
+    veil(image, 0, margins.top, options.background);
+    veil(image, image.height - margins.bottom, image.height, options.background);
+  }
   draw_text(image, middle, 2.0 * size, fit_text(panel.title, 1.15 * size, room), 1.15 * size, kInk,
             TextAnchor::middle);
   draw_text(image, middle, 3.6 * size, fit_text(panel.subtitle, 0.8 * size, room), 0.8 * size, kQuietInk,

@@ -27,10 +27,11 @@ BranchValues branch_values(const Tree& tree) {
   for (const Axis& axis : axes_of(tree)) {
     if (axis.parent_node < 0 || axis.nodes.empty()) continue;
     const auto first = static_cast<std::size_t>(axis.nodes.front());
+    const double stretch = std::max(0.1, 2 * tree.radius[static_cast<std::size_t>(axis.parent_node)]);
     Vec3 along = Vec3::Zero();
     for (std::int32_t node : axis.nodes) {
       along = tree.end[static_cast<std::size_t>(node)] - tree.start[first];
-      if (along.norm() >= 0.1) break;
+      if (along.norm() >= stretch) break;
     }
     values.length_m.push_back(axis.length);
     if (along.norm() > 0) {

@@ -47,6 +47,8 @@ td .quiet { white-space: nowrap; font-size: .86rem; }
 .flag { color: var(--warn); font-weight: 600; }
 .picture img { width: 100%; height: auto; display: block; border: 1px solid var(--line); border-radius: 8px; background: var(--paper); }
 code { font: .88em ui-monospace, "DejaVu Sans Mono", Consolas, monospace; overflow-wrap: anywhere; }
+tbody th code { overflow-wrap: normal; }
+@media (min-width: 641px) { td.n { white-space: nowrap; } }
 footer { color: var(--quiet); font-size: .86rem; padding-top: 26px; padding-bottom: 40px; }
 #viewer { position: relative; background: var(--card); border: 1px solid var(--line); border-radius: 8px; overflow: hidden; }
 #viewer .stage { position: relative; height: min(72vh, 680px); min-height: 320px; background: #eef0ec; touch-action: none; }

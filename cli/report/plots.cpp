@@ -17,10 +17,9 @@ constexpr PlotStyle kMeasuredStyle = {{0, 0, 0}, false, true};
 constexpr PlotStyle kLeafStyle = {{0, 120, 80}, false, false};
 
 std::string growth(const ReportCurve& curve, std::size_t index) {
-  SvgPlot plot("Growth: " + curve.name, curve.time_unit,
-               curve.name + (curve.value_unit.empty() ? "" : " (" + curve.value_unit + ")"));
+  const std::string unit = curve.value_unit.empty() ? "" : " (" + curve.value_unit + ")";
+  SvgPlot plot("Growth: " + curve.name, curve.time_unit, curve.name + unit);
   plot.band(curve.time, curve.lo, curve.hi, kRegrownStyle, "95 % band");
-  plot.line(curve.time, curve.cap, kCapStyle, "cap of the growth equation");
   plot.line(curve.time, curve.value, {kRegrownStyle.colour, false, false}, "regrown tree");
   std::vector<double> x;
   std::vector<double> y;
@@ -32,6 +31,20 @@ std::string growth(const ReportCurve& curve, std::size_t index) {
   plot.include_zero_x();
   plot.include_zero_y();
   return plot.figure("plot-growth-" + std::to_string(index + 1));
+}
+
+/// What was added each cycle against what the growth equation allowed.
+std::string increments(const ReportCurve& curve, std::size_t index) {
+  if (curve.cap.empty()) return "";
+  const std::string unit = curve.value_unit.empty() ? "" : " (" + curve.value_unit + ")";
+  SvgPlot plot("Growth a " + curve.time_unit + ": " + curve.name, curve.time_unit, "added" + unit);
+  std::vector<double> added(curve.value.size(), NAN);
+  for (std::size_t i = 1; i < added.size(); ++i) added[i] = curve.value[i] - curve.value[i - 1];
+  plot.line(curve.time, curve.cap, kCapStyle, "cap of the growth equation");
+  plot.line(curve.time, added, {kRegrownStyle.colour, false, false}, "regrown tree");
+  plot.include_zero_x();
+  plot.include_zero_y();
+  return plot.figure("plot-increment-" + std::to_string(index + 1));
 }
 
 void add_taper(SvgPlot& plot, const std::vector<TaperPoint>& taper, PlotStyle style, const std::string& name,
@@ -63,9 +76,15 @@ std::string taper(const ReportData& data) {
 std::string volumes(const ReportData& data, bool by_order) {
   SvgPlot plot(by_order ? "Volume by branch order" : "Volume by diameter class",
                by_order ? "branch order (0 = stem)" : "diameter (cm)", "volume (litres)");
+  std::size_t classes = 1;
+  for (const TreeMetrics* metrics : {data.model_metrics, data.regrown_metrics})
+    if (metrics) classes = std::max(classes, metrics->volume_by_diameter_class_m3.size());
+  const std::size_t merged = by_order ? 1 : (classes + 14) / 15;  // 2 cm classes a bar
   const auto litres = [&](const TreeMetrics& metrics) {
-    std::vector<double> values = by_order ? metrics.volume_by_order_m3 : metrics.volume_by_diameter_class_m3;
-    for (double& v : values) v *= 1000;
+    const std::vector<double>& fine =
+        by_order ? metrics.volume_by_order_m3 : metrics.volume_by_diameter_class_m3;
+    std::vector<double> values((fine.size() + merged - 1) / merged, 0.0);
+    for (std::size_t i = 0; i < fine.size(); ++i) values[i / merged] += 1000 * fine[i];
     return values;
   };
   std::size_t count = 0;
@@ -78,8 +97,8 @@ std::string volumes(const ReportData& data, bool by_order) {
   }
   std::vector<std::string> names;
   for (std::size_t i = 0; i < count; ++i) {
-    std::string name = std::to_string(by_order ? i : 2 * i);
-    if (!by_order) name += "\xe2\x80\x93" + std::to_string(2 * i + 2);
+    std::string name = std::to_string(by_order ? i : 2 * merged * i);
+    if (!by_order) name += "\xe2\x80\x93" + std::to_string(2 * merged * (i + 1));
     names.push_back(name);
   }
   plot.categories(names);
@@ -90,11 +109,16 @@ std::string branches(const ReportData& data, bool angles) {
   std::vector<std::pair<BranchValues, PlotStyle>> trees;
   if (data.model && !data.model->empty()) trees.emplace_back(branch_values(*data.model), kScanStyle);
   if (data.regrown && !data.regrown->empty()) trees.emplace_back(branch_values(*data.regrown), kRegrownStyle);
-  double longest = 0.01;
-  for (const auto& [values, style] : trees)
-    for (double length : values.length_m) longest = std::max(longest, length);
-  const double step = angles ? 10 : round_length(longest / 6);
-  const auto bins = angles ? std::size_t{12} : static_cast<std::size_t>(std::ceil(longest / step - 1e-9));
+  // Lengths: bins reach to where 95 % of the branches are; longer ones share the last.
+  double reach = 0.01;
+  for (const auto& [values, style] : trees) {
+    std::vector<double> lengths = values.length_m;
+    if (lengths.empty()) continue;
+    std::sort(lengths.begin(), lengths.end());
+    reach = std::max(reach, lengths[lengths.size() * 95 / 100]);
+  }
+  const double step = angles ? 10 : round_length(reach / 6);
+  const auto bins = angles ? std::size_t{12} : static_cast<std::size_t>(std::ceil(reach / step - 1e-9)) + 1;
   const double top = step * static_cast<double>(bins);
   SvgPlot plot(angles ? "Branch angle from the parent" : "Branch length",
                angles ? "degrees (bins from)" : "metres (bins from)", "share of branches (%)");
@@ -109,7 +133,7 @@ std::string branches(const ReportData& data, bool angles) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < bins; ++i) {
     std::string name = number(step * static_cast<double>(i));
-    if (angles && i + 1 == bins) name.push_back('+');
+    if (i + 1 == bins) name.push_back('+');
     names.push_back(name);
   }
   plot.categories(names);
@@ -148,7 +172,7 @@ std::string cost(const ReportData& data) {
     y.push_back(value);
     positive = positive && value > 0;
   }
-  if (positive && !y.empty()) plot.logarithmic_y();
+  if (positive && !y.empty() && y.front() > 5 * y.back()) plot.logarithmic_y();
   plot.line(x, y, {kScanStyle.colour, false, false}, "");
   return plot.figure("plot-cost");
 }
@@ -175,7 +199,8 @@ std::string descriptors(const ReportData& data) {
 
 std::string report_plots(const ReportData& data) {
   std::string out;
-  for (std::size_t i = 0; i < data.curves.size(); ++i) out += growth(data.curves[i], i);
+  for (std::size_t i = 0; i < data.curves.size(); ++i)
+    out += growth(data.curves[i], i) + increments(data.curves[i], i);
   out += taper(data) + volumes(data, true) + volumes(data, false) + branches(data, true) +
          branches(data, false) + profile(data);
   out += cost(data) + descriptors(data);
@@ -184,8 +209,8 @@ std::string report_plots(const ReportData& data) {
 
 std::string parameter_plot(const std::vector<ReportParameter>& parameters) {
   constexpr double kRow = 26;
-  constexpr double kLeft = 90;
-  constexpr double kRight = 296;
+  constexpr double kLeft = 132;
+  constexpr double kRight = 300;
   std::string body;
   double y = 8;
   for (const ReportParameter& p : parameters) {

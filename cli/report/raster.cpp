@@ -133,9 +133,10 @@ struct ShadowMap {
     draw_all(scene, view, point_size_m, false, buffer);
   }
 
-  float lit(const Vector3f& place, int reach) const {
+  /// `normal` lifts the place off its own surface (zero for points).
+  float lit(const Vector3f& place, const Vector3f& normal, int reach) const {
     Vector3f pixel;
-    view.project(place, pixel);
+    view.project(place + bias_m * normal, pixel);
     const int cx = static_cast<int>(pixel.x());
     const int cy = static_cast<int>(pixel.y());
     int open = 0;
@@ -164,10 +165,10 @@ class Light {
       sky_.emplace_back(scene, towards, 320, point_size_m);
     }
   }
-  float sun(const Vector3f& place) const { return sun_.lit(place, 1); }
-  float sky(const Vector3f& place) const {
+  float sun(const Vector3f& place, const Vector3f& normal) const { return sun_.lit(place, normal, 1); }
+  float sky(const Vector3f& place, const Vector3f& normal) const {
     float sum = 0;
-    for (const ShadowMap& map : sky_) sum += map.lit(place, 0);
+    for (const ShadowMap& map : sky_) sum += map.lit(place, normal, 0);
     return sum / kSkyMaps;
   }
   const Vector3f& sun_direction() const { return sun_direction_; }
@@ -250,31 +251,30 @@ Image draw_scene(const Scene& scene, const View& view, int width_px, int height_
     const std::size_t index = id & ~kPointBit;
     const Rgb c = point ? scene.point_colours[index] : scene.colours[index];
     const Vector3f base(c.r, c.g, c.b);
-    Vector3f place =
+    const Vector3f place =
         fine.unproject(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, buffer.depth[at]);
-    float sky_share = 1;
-    float sun_share = 1;
-    if (!light.empty()) {
-      sky_share = light[0].sky(place);
-      sun_share = light[0].sun(place);
+    Vector3f normal = Vector3f::Zero();
+    if (!point) {
+      const auto& [a, b, d] = scene.triangles[index];
+      const auto [w1, w2] = buffer.weights[at];
+      normal = (1 - w1 - w2) * scene.normals[a] + w1 * scene.normals[b] + w2 * scene.normals[d];
+      normal.normalize();
+      if (normal.dot(fine.forward) > 0) normal = -normal;
     }
+    const float sky_share = light.empty() ? 1 : light[0].sky(place, normal);
+    const float sun_share = light.empty() ? 1 : light[0].sun(place, normal);
     if (point) {
       const float near = nearer_neighbours(buffer, x, y, samples, 40 / fine.scale);
       return base * ((0.60f + 0.34f * sky_share + 0.30f * sun_share) * (1 - 0.5f * near));
     }
-    const auto& [a, b, d] = scene.triangles[index];
-    const auto [w1, w2] = buffer.weights[at];
-    Vector3f normal = (1 - w1 - w2) * scene.normals[a] + w1 * scene.normals[b] + w2 * scene.normals[d];
-    normal.normalize();
     const Scene::Surface surface = scene.surfaces[index];
     if (surface == Scene::Surface::ground) {
       // The disc fades into the background towards its rim.
-      const float rim = w1 + w2;
+      const float rim = buffer.weights[at][0] + buffer.weights[at][1];
       const float fade = std::clamp((1 - rim) * 2.5f, 0.0f, 1.0f);
       const Vector3f lit = base * (0.70f + 0.16f * sky_share + 0.18f * sun_share);
       return ground_tone + fade * (lit - ground_tone);
     }
-    if (normal.dot(fine.forward) > 0) normal = -normal;
     float direct = normal.dot(light.empty() ? sun : light[0].sun_direction());
     // A leaf lit from behind shines through a little.
     direct = surface == Scene::Surface::leaf ? std::max(direct, -0.6f * direct) : std::max(direct, 0.0f);

@@ -100,8 +100,8 @@ Extent extent_of(const Panel& panel, const View& axes, const Vec3& anchor) {
 double splat_size(const PointCloud& cloud, const Extent& extent) {
   const Eigen::Vector2f size = extent.hi - extent.lo;
   const double area = std::max(1e-6, static_cast<double>(size.x()) * size.y());
-  return std::clamp(0.4 * std::sqrt(area / std::max<double>(1, static_cast<double>(cloud.size()))), 0.002,
-                    0.04);
+  return std::clamp(0.5 * std::sqrt(area / std::max<double>(1, static_cast<double>(cloud.size()))), 0.002,
+                    0.1);
 }
 
 }  // namespace

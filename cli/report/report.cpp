@@ -44,7 +44,7 @@ std::string view(const ReportData& data, const ReportOptions& options) {
             with_thousands(data.scan_points.value_or(data.scan->size())) + " points. ";
   if (data.foliage && payload.leaves_shown < data.foliage->size())
     note += "The view shows " + with_thousands(payload.leaves_shown) + " of " +
-            with_thousands(data.foliage->size()) + " leaves. ";
+            with_thousands(data.foliage->size()) + " leaves, larger so that the area stays. ";
   std::string palette;
   for (const Rgb& colour : kOrderColours) palette += (palette.empty() ? "\"" : ",\"") + hex(colour) + "\"";
   std::string qualities;

@@ -39,7 +39,7 @@ struct ReportCurve {
   std::string time_unit = "cycle";
   std::vector<double> time;
   std::vector<double> value;  ///< of the regrown tree
-  std::vector<double> cap;    ///< what the growth equation allows per cycle
+  std::vector<double> cap;    ///< what the growth equation allows to be added each cycle
   std::vector<double> lo;     ///< band about `value`
   std::vector<double> hi;
   std::vector<std::pair<double, double>>

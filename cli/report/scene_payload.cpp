@@ -99,15 +99,17 @@ std::string leaves(const Foliage& foliage, const Vec3& foot, std::size_t limit, 
   std::vector<std::int8_t> frame;
   std::vector<float> length;
   std::vector<std::uint8_t> shape;
-  std::vector<std::int16_t> birth;
   shown = std::min(foliage.size(), limit);
+  // Fewer leaves are drawn larger, so that the crown keeps its leaf area.
+  const double larger =
+      shown ? std::sqrt(static_cast<double>(foliage.size()) / static_cast<double>(shown)) : 1;
   for (std::size_t k = 0; k < shown; ++k) {
     const Leaf& leaf = foliage.leaves[k * foliage.size() / shown];
     origins.push_back(leaf.origin + foliage.origin_shift - foot);
     for (const Vec3& axis : {leaf.direction, leaf.normal})
       for (int c = 0; c < 3; ++c)
         frame.push_back(static_cast<std::int8_t>(std::lround(127 * std::clamp(axis[c], -1.0, 1.0))));
-    length.push_back(static_cast<float>(leaf.length_m));
+    length.push_back(static_cast<float>(larger * leaf.length_m));
     shape.push_back(static_cast<std::uint8_t>(std::min<int>(leaf.shape, 255)));
   }
   std::string shapes;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kWidth = 400;
 constexpr double kHeight = 280;
-constexpr double kLeft = 58;
+constexpr double kLeft = 66;
 constexpr double kRight = 14;
 constexpr double kTop = 12;
 constexpr double kBottom = 44;

@@ -129,31 +129,39 @@ std::string metrics_table(const ReportData& data) {
 
 std::string parameter_table(const ReportData& data) {
   if (data.parameters.empty()) return "";
-  HtmlTable table{"table-parameters",
-                  data.growth_model,
-                  {"Parameter", "Meaning", "Value", "95 % interval", "Bounds", "Note"},
-                  {0, 0, 1, 1, 1, 0},
-                  {}};
+  HtmlTable fitted{"table-parameters",
+                   data.growth_model,
+                   {"Parameter", "Meaning", "Value", "95 % interval", "Bounds", "Note"},
+                   {0, 0, 1, 1, 1, 0},
+                   {}};
+  HtmlTable given{"table-given", "Given, not fitted", {"Parameter", "Meaning", "Value"}, {0, 0, 1}, {}};
+  bool doubtful = false;
   for (const ReportParameter& p : data.parameters) {
     const auto range = [](const std::optional<double>& lo, const std::optional<double>& hi) {
       return lo && hi ? number(*lo) + " to " + number(*hi) : std::string("\xe2\x80\x93");
     };
-    const std::string unit = p.unit.empty() ? "" : " " + escape_html(p.unit);
-    table.rows.push_back(
-        {"<code>" + escape_html(p.key) + "</code>" +
-             (p.symbol.empty() || p.symbol == p.key ? "" : " (" + escape_html(p.symbol) + ")"),
-         escape_html(p.meaning), number(p.value) + unit, range(p.lo, p.hi), range(p.prior_lo, p.prior_hi),
-         p.fixed          ? "given, not fitted"
-         : p.identifiable ? ""
-                          : "<span class=\"flag\">not identifiable</span>"});
+    const std::string name =
+        "<code>" + escape_html(p.key) + "</code>" +
+        (p.symbol.empty() || p.symbol == p.key ? "" : " (" + escape_html(p.symbol) + ")");
+    const std::string value =
+        number(p.value) + (p.unit.empty() || p.unit == "1" ? "" : " " + escape_html(p.unit));
+    if (p.fixed) {
+      given.rows.push_back({name, escape_html(p.meaning), value});
+      continue;
+    }
+    doubtful = doubtful || !p.identifiable;
+    fitted.rows.push_back({name, escape_html(p.meaning), value, range(p.lo, p.hi),
+                           range(p.prior_lo, p.prior_hi),
+                           p.identifiable ? "" : "<span class=\"flag\">not identifiable</span>"});
   }
-  std::string out = cards(table.html());
-  if (!data.fit_status.empty()) out = "<p>" + escape_html(data.fit_status) + "</p>\n" + out;
-  for (const ReportParameter& p : data.parameters)
-    if (!p.identifiable && !p.fixed)
-      return out +
-             "<p class=\"quiet\">\xe2\x80\x9cNot identifiable\xe2\x80\x9d: this tree alone does not tell the "
-             "value from others within its interval; do not read biology into it.</p>\n";
+  std::string out;
+  if (!data.fit_status.empty()) out += "<p>" + escape_html(data.fit_status) + "</p>\n";
+  if (!fitted.rows.empty()) out += cards(fitted.html());
+  if (doubtful)
+    out +=
+        "<p class=\"quiet\">\xe2\x80\x9cNot identifiable\xe2\x80\x9d: this tree alone does not tell the "
+        "value from others within its interval; do not read biology into it.</p>\n";
+  if (!given.rows.empty()) out += given.html();
   return out;
 }
 

@@ -5,7 +5,7 @@
 // The field is kept as one 2-D difference array a layer: a node adds four corners a layer (about 150
 // additions where the voxels themselves would be 40,000), and reading integrates each layer once. Sums are in
 // fixed point (2^-40), so the result does not depend on the order of anything, equals voxel by voxel addition
-// to the last bit, and removal is exact. Weights below half a unit (q > 47 for b = 1.8) are 0: columns are
+// to the last bit, and removal is exact. Weights below half a unit (q > 48 for b = 1.8) are 0: columns are
 // complete.
 #pragma once
 

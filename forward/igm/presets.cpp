@@ -153,8 +153,7 @@ std::vector<IgmPreset> make_presets() {
   IgmPreset standard{
       "standard",
       "the authors' program: row 6 of Table 2 with x0 = 3 and alpha = 10, shading that lightens from "
-      "cycle 14, branches that rise until cycle 16 and droop after it; mu is not on record and was "
-      "chosen by the program's stored trees",
+      "cycle 14, branches that rise before cycle 16 and droop from it on",
       1,
       {},
       0,
@@ -162,10 +161,9 @@ std::vector<IgmPreset> make_presets() {
       0};
   standard.parameters.equation_values = {3, 100, 0.34};
   standard.parameters.tau = 14;
-  standard.parameters.mu = 0.9;
   standard.parameters.gamma = -0.5;
   standard.parameters.gamma_late = 8;
-  standard.parameters.late_cycle = 17;
+  standard.parameters.late_cycle = 16;
   presets.push_back(standard);
   for (const PrintedRow& row : kTable2) {
     IgmPreset preset{row.name, row.summary, row.roots, {}, row.height, row.dbh, row.last_cycle};

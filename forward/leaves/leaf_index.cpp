@@ -30,17 +30,18 @@ std::array<std::int64_t, 3> unpack(std::uint64_t block) {
 
 }  // namespace
 
-LeafIndex::LeafIndex(double reach_m, double half_extent_m)
-    : half_extent_(half_extent_m),
+LeafIndex::LeafIndex(double reach_m, double half_extent_m, const Vec3& origin)
+    : origin_(origin),
+      half_extent_(half_extent_m),
       cell_(std::max(1e-3, 1.2 * half_extent_m)),
       // What two leaves in blocks of one colour may read or write lies within reach + half extent + a cell of
       // each.
       cells_(static_cast<std::int64_t>(std::ceil((2 * reach_m + 2 * half_extent_m) / cell_)) + 2) {}
 
 std::array<std::int64_t, 3> LeafIndex::cell_at(const Vec3& p) const {
-  return {static_cast<std::int64_t>(std::floor(p.x() / cell_)),
-          static_cast<std::int64_t>(std::floor(p.y() / cell_)),
-          static_cast<std::int64_t>(std::floor(p.z() / cell_))};
+  const Vec3 at = (p - origin_) / cell_;
+  return {static_cast<std::int64_t>(std::floor(at.x())), static_cast<std::int64_t>(std::floor(at.y())),
+          static_cast<std::int64_t>(std::floor(at.z()))};
 }
 
 std::uint64_t LeafIndex::block_of(const Vec3& foot) const {
@@ -58,8 +59,8 @@ void LeafIndex::prepare(const std::vector<Vec3>& feet) {
   const double limit = static_cast<double>(kOffset - 2) * cell_ * static_cast<double>(cells_);
   std::uint64_t last = std::numeric_limits<std::uint64_t>::max();
   for (const Vec3& foot : feet) {
-    if (!(foot.cwiseAbs().maxCoeff() < limit))
-      throw InputError("leaves: the tree lies too far from its origin; give it a shift near its foot");
+    if (!((foot - origin_).cwiseAbs().maxCoeff() < limit))
+      throw InputError("leaves: the tree is too large for leaves of this size");
     const std::uint64_t block = block_of(foot);
     if (block == last) continue;
     last = block;
@@ -104,7 +105,7 @@ void LeafIndex::insert(std::uint32_t slot, const Vec3& lo, const Vec3& hi) {
   const std::int64_t within =
       ((c[0] - b[0] * cells_) * cells_ + (c[1] - b[1] * cells_)) * cells_ + (c[2] - b[2] * cells_);
   std::uint32_t& head = heads_[found->second + static_cast<std::size_t>(within)];
-  boxes_[slot] = outward(lo, hi);
+  boxes_[slot] = outward(lo - origin_, hi - origin_);
   boxes_[slot].next = head;
   head = slot;
 }

@@ -20,7 +20,8 @@ class LeafIndex {
  public:
   /// `reach_m`: no vertex of a leaf is further from its foot; `half_extent_m`: no leaf's box is wider than
   /// twice this.
-  LeafIndex(double reach_m, double half_extent_m);
+  /// `origin`: near the tree; boxes are kept about it in single precision.
+  LeafIndex(double reach_m, double half_extent_m, const Vec3& origin);
 
   /// Makes room for leaves with feet at these points; call before insert, from one thread.
   void prepare(const std::vector<Vec3>& feet);
@@ -39,7 +40,7 @@ class LeafIndex {
   bool each_near(const Vec3& lo, const Vec3& hi, double gap, const Visit& visit) const {
     const Vec3 wide = Vec3::Constant(half_extent_ + gap);
     const std::array<std::int64_t, 3> first = cell_at(lo - wide), last = cell_at(hi + wide);
-    const Box box = outward(lo - Vec3::Constant(gap), hi + Vec3::Constant(gap));
+    const Box box = outward(lo - origin_ - Vec3::Constant(gap), hi - origin_ + Vec3::Constant(gap));
     const std::array<std::int64_t, 3> b0 = block_at(first), b1 = block_at(last);
     std::array<std::int64_t, 3> b;
     for (b[0] = b0[0]; b[0] <= b1[0]; ++b[0])
@@ -77,6 +78,7 @@ class LeafIndex {
   std::array<std::int64_t, 3> block_at(const std::array<std::int64_t, 3>& cell) const;
   const std::uint32_t* heads_of(const std::array<std::int64_t, 3>& block) const;
 
+  Vec3 origin_;
   double half_extent_;
   double cell_;
   std::int64_t cells_;                                         // along a block's edge

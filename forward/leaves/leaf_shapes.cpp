@@ -93,9 +93,10 @@ LeafShape mirrored_blade(std::string_view name, const std::vector<MarginPoint>& 
   return scaled_to_unit_length(std::move(shape));
 }
 
-/// A leaflet: pointed, widest at 0.45, from `base` along `along`; four triangles folded about its midrib.
+/// A leaflet: pointed, `low` the half width of its lower part, from `base` along `along`; four triangles
+/// folded about its midrib.
 void add_leaflet(LeafShape& shape, const Vec3& base, const Vec3& along, const Vec3& up, double length,
-                 double width) {
+                 double width, double low = 0.42) {
   const Vec3 across = along.cross(up);
   const std::size_t first = shape.vertices.size();
   const auto at = [&](double x, double y) {
@@ -103,9 +104,9 @@ void add_leaflet(LeafShape& shape, const Vec3& base, const Vec3& along, const Ve
   };
   at(0, 0);
   at(0, 1);
-  at(0.42, 0.25);
+  at(low, 0.25);
   at(0.45, 0.55);
-  at(-0.42, 0.25);
+  at(-low, 0.25);
   at(-0.45, 0.55);
   add(shape, first, first + 2, first + 3);
   add(shape, first, first + 3, first + 1);
@@ -251,7 +252,7 @@ LeafShape palmate_leaf(int leaflets, double leaflet_width) {
     const Vec3 along = Vec3(std::sin(angle), std::cos(angle), -0.25 * std::abs(at)).normalized();
     const Vec3 up = (Vec3::UnitZ() - along.z() * along).normalized();
     const double length = 1 - 0.45 * at * at;
-    add_leaflet(shape, 0.01 * along, along, up, length, leaflet_width * length);
+    add_leaflet(shape, 0.01 * along, along, up, length, leaflet_width * length, 0.26);
   }
   return scaled_to_unit_length(std::move(shape));
 }
@@ -270,7 +271,8 @@ LeafShape needle_shoot(int needles, double needle_length, double needle_width) {
     const double turn = k * kPi * (3 - std::sqrt(5.0));
     const Vec3 out(std::cos(turn), 0, std::sin(turn));
     const Vec3 along = std::sin(lean) * out + std::cos(lean) * Vec3::UnitY();
-    const Vec3 base(0.012 * out.x(), axis * (0.06 + 0.94 * (k + 0.5) / needles), 0.012 * out.z());
+    const double off = 0.012 + needle_width;  // clear of the axis
+    const Vec3 base(off * out.x(), axis * (0.06 + 0.94 * (k + 0.5) / needles), off * out.z());
     add_needle(shape, base, along, needle_length, needle_width);
   }
   return scaled_to_unit_length(std::move(shape));
@@ -305,7 +307,7 @@ LeafShape flower(int petals) {
     const double turn = 2 * kPi * k / petals;
     const Vec3 along = Vec3(std::sin(turn), std::cos(turn), 0.25).normalized();
     const Vec3 across(std::cos(turn), -std::sin(turn), 0);
-    const double half = 0.8 * std::sin(kPi / petals);
+    const double half = 0.5 * std::sin(kPi / petals);
     const std::size_t first = shape.vertices.size();
     shape.vertices.push_back(0.08 * along);
     shape.vertices.push_back(0.7 * along + half * across);
@@ -314,12 +316,11 @@ LeafShape flower(int petals) {
     add(shape, first, first + 1, first + 2);
     add(shape, first, first + 2, first + 3);
   }
-  // The centre: a square above the petals' feet.
+  // The centre: a hexagon above the petals' feet.
   const std::size_t first = shape.vertices.size();
-  for (int k = 0; k < 4; ++k)
-    shape.vertices.emplace_back(0.12 * std::cos(kPi * k / 2), 0.12 * std::sin(kPi * k / 2), 0.12);
-  add(shape, first, first + 1, first + 2);
-  add(shape, first, first + 2, first + 3);
+  for (int k = 0; k < 6; ++k)
+    shape.vertices.emplace_back(0.12 * std::cos(kPi * k / 3), 0.12 * std::sin(kPi * k / 3), 0.12);
+  for (std::size_t k = 1; k < 5; ++k) add(shape, first, first + k, first + k + 1);
   return scaled_to_unit_length(std::move(shape));
 }
 

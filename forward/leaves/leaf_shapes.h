@@ -17,7 +17,7 @@ struct LeafCurvature {
   void validate() const;
 };
 
-/// An entire blade: pointed, widest at `widest` (0..1) of its length; six triangles (ten where it droops).
+/// An entire blade: pointed, widest at `widest` (0..1) of its length; six triangles (twelve where it droops).
 LeafShape simple_leaf(double width, double widest = 0.4, const LeafCurvature& curvature = {});
 /// A blade of `lobes` rounded lobes a side along the midrib (oak).
 LeafShape lobed_leaf(double width, int lobes, const LeafCurvature& curvature = {});
@@ -31,7 +31,7 @@ LeafShape palmate_leaf(int leaflets, double leaflet_width);
 LeafShape needle_shoot(int needles, double needle_length, double needle_width);
 /// A bundle of needles from one point (pine fascicles, larch short shoots).
 LeafShape needle_bundle(int needles, double needle_width, double spread_deg);
-/// A flower: `petals` petals of two triangles each about a small centre of two.
+/// A flower: `petals` petals of two triangles each about a small centre of four.
 LeafShape flower(int petals);
 
 /// The user's own blade: any mesh whose petiole joins at the origin with +y to the tip and +z up. Scaled so

@@ -100,7 +100,7 @@ LeafTraits ash() {
 
 LeafTraits horse_chestnut() {
   LeafTraits t = broadleaf();
-  t.shapes = {{palmate_leaf(7, 0.32), 1}};
+  t.shapes = {{palmate_leaf(7, 0.26), 1}};
   t.length = cut_normal(0.17, 0.03);
   t.petiole_min_m = 0.07;
   t.petiole_max_m = 0.16;
@@ -129,6 +129,7 @@ LeafTraits pine() {
   t.insertion_deg = 45;
   t.bearing = {0.006, 0.02, 0.5, 0.03};
   t.usual_lai = 2.5;
+  t.most_per_metre_m2 = 0.03;
   return t;
 }
 
@@ -143,6 +144,7 @@ LeafTraits spruce() {
   t.petiole_rise = 0;
   t.bearing = {0.005, 0.02, 1.0, 0.1};
   t.usual_lai = 5;
+  t.most_per_metre_m2 = 0.04;
   return t;
 }
 
@@ -150,11 +152,12 @@ LeafTraits larch() {
   LeafTraits t = conifer(
       "tufts of 20-40 needles 1.5-3 cm on short shoots: Stace 2019; area is that of the flat needles "
       "(projected)");
-  t.shapes = {{needle_bundle(24, 0.04, 75), 1}};
+  t.shapes = {{needle_bundle(20, 0.04, 70), 1}};
   t.length = cut_normal(0.025, 0.004);
   t.insertion_deg = 80;
   t.bearing = {0.005, 0.02, 1.0, 0.1};
   t.usual_lai = 3;
+  t.most_per_metre_m2 = 0.012;
   return t;
 }
 

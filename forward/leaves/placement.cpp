@@ -33,7 +33,7 @@ Placement::Placement(const Tree& tree, const LeafOptions& options, const Bearing
       source_(source),
       by_count_(by_count),
       wood_index_(tree, std::max(0.02, source.reach_m())),
-      leaf_index_(source.reach_m(), source.half_extent_m()),
+      leaf_index_(source.reach_m(), source.half_extent_m(), tree.start.front()),
       ground_z_(options.on_ground ? options.ground_z_m.value_or(wood.foot_z)
                                   : -std::numeric_limits<double>::infinity()),
       tried_(tree.size(), 0),

@@ -17,7 +17,7 @@ constexpr double kMainRadius = 0.0035, kSideRadius = 0.002, kTipRadius = 0.0012;
 constexpr int kSides = 7;
 constexpr double kSideShare = 0.45;   // of the shoot's length, for the lowest side twig
 constexpr double kMostPerMetre = 12;  // shoots a metre of wood
-constexpr std::size_t kMostShoots = 60000;
+constexpr std::size_t kMostShoots = 8000;
 
 /// Length of a shoot of length 1 with all its side twigs.
 double total_of_unit_shoot() {

@@ -93,7 +93,7 @@ double profile_rss(const MeasurementSeries& series, const std::string& equation,
   options.equations = {equation};
   options.fixed = {{parameter, value}};
   const GrowthFit fit = fit_growth_equation(series, equation, options);
-  return fit.status == GrowthStatus::no_finite_optimum ? fit.rss : fit.rss;
+  return fit.rss;
 }
 
 TEST_F(GrowthReference, ProfileLimits) {

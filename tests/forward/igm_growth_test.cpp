@@ -175,6 +175,16 @@ TEST(IgmGrowth, radii_follow_the_pipe_model_and_never_shrink) {
   EXPECT_GT(thickest, 0.05);
 }
 
+TEST(IgmGrowth, the_paper_switch_gives_the_authors_base_radii) {
+  IgmParameters p = igm_preset("standard").parameters;
+  p.paper = true;
+  for (const auto& [cycle, radius] : {std::pair{10, 0.0460}, std::pair{12, 0.0629}}) {
+    p.cycles = cycle;
+    const Sample base = sample(grow_seeds(p, 6), [](const IgmGrowth& g) { return g.tree.radius[0]; });
+    EXPECT_NEAR(base.mean() / radius, 1, 0.15) << "cycle " << cycle << " sd " << base.sd();
+  }
+}
+
 TEST(IgmGrowth, restored_light_keeps_more_wood_alive) {
   IgmParameters p = igm_preset("standard").parameters;
   p.cycles = 12;

@@ -86,7 +86,7 @@ TEST(LightField, a_single_node_shades_a_pyramid_of_12341_voxels_then_a_column) {
     if (shade[i] > 0) ++(60 - box[i].z <= 20 ? pyramid : column);
   EXPECT_EQ(pyramid, 12341);
   EXPECT_EQ(column, 1681 * (profile.layers() - 21));
-  EXPECT_EQ(profile.layers(), 48);  // b^-47 is the last weight above half a unit of 2^-40
+  EXPECT_EQ(profile.layers(), 49);  // b^-48 is the last weight above half a unit of 2^-40
 }
 
 TEST(LightField, darkens_one_voxel_alone) {

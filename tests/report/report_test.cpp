@@ -28,6 +28,8 @@ TEST(Report, HoldsEveryTableAndPlot) {
                          "table-stages",
                          "warnings",
                          "plot-growth-1",
+                         "plot-increment-1",
+                         "table-given",
                          "plot-taper",
                          "plot-volume-order",
                          "plot-volume-diameter",

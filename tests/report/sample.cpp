@@ -127,12 +127,12 @@ Sample::Sample(std::size_t scan_points, std::size_t leaf_count) {
       {"rho_m", "\xcf\x81", "m", "internode length", 0.05, {}, {}, {}, {}, true, true}};
   ReportCurve height{"height", "m", "cycle", {}, {}, {}, {}, {}, {{14, model_metrics.height_m}}};
   for (int cycle = 1; cycle <= 14; ++cycle) {
-    const double cap = 3.6 / (1 + 12 * std::exp(-0.45 * cycle));
+    const double full = 3.6 / (1 + 12 * std::exp(-0.45 * cycle));
     height.time.push_back(cycle);
-    height.cap.push_back(cap);
-    height.value.push_back(0.95 * cap);
-    height.lo.push_back(0.85 * cap);
-    height.hi.push_back(1.02 * cap);
+    height.cap.push_back(0.45 * full * (1 - full / 3.6));
+    height.value.push_back(0.95 * full);
+    height.lo.push_back(0.85 * full);
+    height.hi.push_back(1.02 * full);
   }
   data.curves = {height};
   data.descriptors = {

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dendrofit view, run as a user runs it.
+#include "tests/support/scratch_folder.h"
+
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+namespace dendrofit {
+namespace {
+
+int run(const std::string& arguments) {
+  const int status = std::system((DENDROFIT_PROGRAM " " + arguments + " >/dev/null 2>&1 </dev/null").c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+std::string sample(const std::string& name) {
+  return (std::filesystem::path(DENDROFIT_SOURCE_DIR) / "data_samples" / name).string();
+}
+
+TEST(View, pictures_a_folder_of_results_with_a_scan_beside_it) {
+  const test::ScratchFolder scratch;
+  const std::string tree = (scratch / "tree").string();
+  ASSERT_EQ(run("grow standard --cycles 4 -o " + tree), 0);
+  const std::string png = (scratch / "a.png").string();
+  const std::string view = "view " + tree + " --scan " + sample("young_tree.las") +
+                           " --azimuth 30deg --elevation 10 --width 240 --height 240 --png ";
+  ASSERT_EQ(run(view + png + " --threads 1"), 0);
+  const std::string picture = test::content_of(scratch / "a.png");
+  EXPECT_EQ(picture.substr(0, 8), "\x89PNG\r\n\x1a\n");
+  EXPECT_EQ(run(view + png), 2);  // it is there already
+  EXPECT_EQ(run(view + png + " --threads 2 --force"), 0);
+  EXPECT_EQ(test::content_of(scratch / "a.png"), picture);
+}
+
+TEST(View, pictures_a_cloud_and_refuses_what_it_cannot_show) {
+  const test::ScratchFolder scratch;
+  const std::string png = " --png " + (scratch / "a.png").string();
+  EXPECT_EQ(run("view " + sample("young_tree.las") + png + " --height 200 --zoom -1,-1,0,1,1,2m"), 0);
+  EXPECT_EQ(run("view " + sample("young_tree.las")), 2);
+  EXPECT_EQ(run("view " + sample("young_tree.las") + png + " --force --zoom 1,2"), 2);
+  EXPECT_EQ(run("view " + sample("young_tree.las") + png + " --force --elevation 95"), 3);
+  EXPECT_EQ(run("view " + sample("loblolly_heights.csv") + png + " --force"), 3);
+  EXPECT_EQ(run("view " + scratch.path().string() + png + " --force"), 3);
+}
+
+}  // namespace
+}  // namespace dendrofit
