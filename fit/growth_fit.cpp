@@ -2,9 +2,11 @@
 #include "fit/growth_fit.h"
 
 #include "core/errors.h"
+#include "fit/growth_constraints.h"
 #include "fit/growth_curve.h"
 #include "fit/growth_derived.h"
 #include "fit/growth_diagnose.h"
+#include "fit/growth_optimum.h"
 #include "fit/growth_profile.h"
 #include "fit/growth_solver.h"
 #include "fit/growth_start.h"
@@ -21,192 +23,6 @@ namespace dendrofit {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-// What the options say of natural parameter i, under any of its names.
-template <class Map>
-auto named(const Map& map, const GrowthCurve& curve, int i) {
-  const std::string prefix = std::string(curve.equation().name) + ".";
-  for (const auto& [name, value] : map) {
-    const std::string own = name.starts_with(prefix) ? name.substr(prefix.size()) : name;
-    if (curve.row(own) == i || (own == "asymptote" && i == curve.asymptote_row()))
-      return std::optional(value);
-  }
-  return std::optional<typename Map::mapped_type>();
-}
-
-bool mentions(const GrowthOptions& options, const std::string& name) {
-  return options.fixed.contains(name) || options.bounds.contains(name);
-}
-
-GrowthCurve make_curve(const std::string& name, const GrowthOptions& options) {
-  const GrowthEquation& equation = growth_equation(name);
-  return {equation, options.fit_offset || mentions(options, "offset"),
-          (options.fit_time_shift || mentions(options, "time_shift")) && equation.starts_at_zero,
-          options.offset};
-}
-
-GrowthData make_data(const MeasurementSeries& series, const GrowthOptions& options,
-                     const std::vector<double>& weights) {
-  GrowthData data{series.time, series.value, weights};
-  if (weights.empty())
-    for (double value : series.value)
-      data.weight.push_back(options.weights == GrowthWeights::inverse_value    ? 1 / value
-                            : options.weights == GrowthWeights::inverse_square ? 1 / (value * value)
-                                                                               : 1);
-  return data;
-}
-
-// The chart, bounds and held coordinates that the options ask for.
-struct Constraints {
-  bool any = false;
-  std::vector<std::optional<double>> fixed;
-  std::vector<GrowthBounds> bounds;
-};
-
-Constraints read_constraints(const GrowthCurve& curve, const GrowthOptions& options) {
-  Constraints constraints;
-  for (int i = 0; i < curve.size(); ++i) {
-    constraints.fixed.push_back(named(options.fixed, curve, i));
-    constraints.bounds.push_back(named(options.bounds, curve, i).value_or(GrowthBounds{}));
-    if (constraints.fixed.back() && curve.is_positive(i))
-      require(*constraints.fixed.back() > 0, "fixed." + curve.name(i), *constraints.fixed.back(),
-              "must be above 0");
-    if (constraints.bounds.back().hi && curve.is_positive(i))
-      require(*constraints.bounds.back().hi > 0, "bounds." + curve.name(i), *constraints.bounds.back().hi,
-              "the upper limit must be above 0");
-    constraints.any |=
-        constraints.fixed.back() || constraints.bounds.back().lo || constraints.bounds.back().hi;
-  }
-  return constraints;
-}
-
-GrowthProblem make_problem(const GrowthCurve& curve, const GrowthData& data, const Constraints& constraints) {
-  GrowthProblem problem(curve, constraints.any ? GrowthChart::natural : GrowthChart::shape, data);
-  for (int i = 0; constraints.any && i < curve.size(); ++i) {
-    problem.held[i] = constraints.fixed[i].has_value();
-    const auto coordinate = [&](double x) {
-      return curve.is_positive(i) ? (x > 0 ? std::log(x) : -kInfinity) : x;
-    };
-    if (constraints.bounds[i].lo) problem.lo[i] = coordinate(*constraints.bounds[i].lo);
-    if (constraints.bounds[i].hi) problem.hi[i] = coordinate(*constraints.bounds[i].hi);
-  }
-  return problem;
-}
-
-GrowthVector constrained(GrowthVector natural, const Constraints& constraints) {
-  for (Eigen::Index i = 0; i < natural.size(); ++i) {
-    if (constraints.fixed[i]) natural[i] = *constraints.fixed[i];
-    if (constraints.bounds[i].lo) natural[i] = std::max(natural[i], *constraints.bounds[i].lo);
-    if (constraints.bounds[i].hi) natural[i] = std::min(natural[i], *constraints.bounds[i].hi);
-  }
-  return natural;
-}
-
-std::vector<GrowthVector> starting_points(const GrowthCurve& curve, const GrowthData& data,
-                                          const Constraints& constraints, const GrowthOptions& options) {
-  std::vector<GrowthVector> starts;
-  if (options.automatic_starts) {
-    const bool many = constraints.any || options.loss != GrowthLoss::none;
-    for (const GrowthVector& natural :
-         automatic_starts(curve, data, options.loss, options.loss_scale, many ? 40 : 6))
-      starts.push_back(constrained(natural, constraints));
-  }
-  if (!options.start.empty()) {
-    GrowthVector natural = starts.empty() ? GrowthVector::Zero(curve.size()) : starts.front();
-    bool complete = true;
-    for (int i = 0; i < curve.size(); ++i) {
-      const auto given = named(options.start, curve, i);
-      if (given) natural[i] = *given;
-      complete &= given || constraints.fixed[i] || i >= curve.own_size() || !starts.empty();
-    }
-    if (complete) starts.insert(starts.begin(), constrained(natural, constraints));
-  }
-  return starts;
-}
-
-struct Optimum {
-  GrowthSolution best;
-  std::optional<GrowthSolution> second;
-};
-
-bool same_minimum(const GrowthSolution& a, const GrowthSolution& b) {
-  return std::abs(a.rss - b.rss) <= 1e-6 * std::max(a.rss, b.rss) || (a.c - b.c).cwiseAbs().maxCoeff() < 1e-3;
-}
-
-// A robust loss has many minima. Two further ways down: from the least-squares curve with the loss's scale
-// narrowed step by step (graduated non-convexity), and from the lowest minima a little aside in each
-// coordinate.
-void search_on_robustly(const GrowthProblem& problem, const GrowthOptions& options,
-                        std::vector<GrowthSolution>& found) {
-  const auto lower = [](const GrowthSolution& a, const GrowthSolution& b) { return a.rss < b.rss; };
-  const auto solve = [&](const GrowthVector& c, double scale) {
-    return minimize_robustly(problem, c, options.loss, scale);
-  };
-  std::vector<GrowthSolution> wide;
-  for (const GrowthSolution& solution : found)
-    wide.push_back(minimize_directly(problem, solution.c, 80, 1e-6));
-  const GrowthSolution squares = *std::min_element(wide.begin(), wide.end(), lower);
-  GrowthVector c = squares.c;
-  for (double factor = 64; factor >= 1; factor /= 1.3) c = solve(c, factor * options.loss_scale).c;
-  found.push_back(solve(c, options.loss_scale));
-  found.push_back(solve(squares.c, options.loss_scale));
-  for (int round = 0; round < 6; ++round) {
-    const GrowthSolution best = *std::min_element(found.begin(), found.end(), lower);
-    Eigen::VectorXd residuals;
-    Eigen::MatrixXd jacobian;
-    if (!problem.evaluate(best.c, residuals, &jacobian)) return;
-    bool fell = false;
-    for (int i = 0; i < problem.curve->size(); ++i)
-      for (double steps : {-2.0, -1.0, -0.5, 0.5, 1.0, 2.0}) {
-        if (problem.held[i]) continue;
-        GrowthVector aside = best.c;
-        // One step moves the curve by the loss's scale at a typical measurement.
-        aside[i] += steps * options.loss_scale * std::sqrt(static_cast<double>(residuals.size())) /
-                    std::max(jacobian.col(i).norm(), 1e-300);
-        aside[i] = std::clamp(aside[i], problem.lo[i], problem.hi[i]);
-        found.push_back(solve(aside, options.loss_scale));
-        fell |= found.back().rss < best.rss * (1 - 1e-9);
-      }
-    if (!fell) return;
-  }
-}
-
-std::optional<Optimum> find_optimum(const GrowthProblem& problem, const std::vector<GrowthVector>& starts,
-                                    const GrowthOptions& options) {
-  std::vector<GrowthSolution> found;
-  for (const GrowthVector& natural : starts) {
-    const GrowthVector c = problem.curve->to_chart(problem.chart, natural);
-    if (!c.allFinite() || !std::isfinite(problem.rss(c))) continue;
-    found.push_back(options.loss == GrowthLoss::none
-                        ? minimize_directly(problem, c, options.automatic_starts ? 80 : 500, 1e-6)
-                        : minimize_robustly(problem, c, options.loss, options.loss_scale));
-  }
-  if (found.empty()) return std::nullopt;
-  if (options.loss != GrowthLoss::none) search_on_robustly(problem, options, found);
-  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.rss < b.rss; });
-  Optimum optimum{found.front(), std::nullopt};
-  if (options.loss == GrowthLoss::none) optimum.best = minimize_to_the_end(problem, optimum.best.c);
-  for (std::size_t i = 1; i < found.size() && !optimum.second; ++i)
-    if (found[i].converged && !same_minimum(optimum.best, found[i])) optimum.second = found[i];
-  return optimum;
-}
-
-// The sum of squares for an endless asymptote where something is held or bounded: the asymptote pushed out in
-// steps.
-double pushed_limit(GrowthProblem problem, GrowthVector c) {
-  const int row = problem.curve->asymptote_row();  // natural chart: coordinates are parameters
-  problem.held[row] = true;
-  const double largest = *std::max_element(problem.data->value.begin(), problem.data->value.end());
-  const double end = std::log(1e7 * largest);
-  double rss = kInfinity;
-  for (int step = 1; step <= 20; ++step) {
-    c[row] += (end - c[row]) / (21 - step);
-    const GrowthSolution at = minimize_directly(problem, c, 100, 1e-7);
-    c = at.c;
-    rss = at.rss;
-  }
-  return rss;
-}
 
 // Whether the measured ages lie on the two ends of the curve only, so that it is a step.
 bool is_step(const GrowthCurve& curve, const GrowthVector& natural, const GrowthData& data, int free) {
@@ -330,8 +146,8 @@ GrowthFit fit_growth_equation(const MeasurementSeries& given, const std::string&
   MeasurementSeries series = given;
   if (options.origin_time)
     for (double& t : series.time) t -= *options.origin_time;
-  const GrowthCurve curve = make_curve(equation, options);
-  const Constraints constraints = read_constraints(curve, options);
+  const GrowthCurve curve = make_growth_curve(equation, options);
+  const GrowthConstraints constraints = read_growth_constraints(curve, options);
   GrowthFit fit;
   fit.equation = equation;
   fit.n = static_cast<int>(series.time.size());
@@ -344,8 +160,8 @@ GrowthFit fit_growth_equation(const MeasurementSeries& given, const std::string&
     for (double weight : weights)
       require(weight > 0 && std::isfinite(weight), "weights", weight, "must be above 0");
   }
-  const GrowthData data = make_data(series, options, weights);
-  const GrowthProblem problem = make_problem(curve, data, constraints);
+  const GrowthData data = make_growth_data(series, options, weights);
+  const GrowthProblem problem = make_growth_problem(curve, data, constraints);
   const int free = problem.free_count();
   fit.reason = too_few_points(series, equation, free);
   if (!fit.reason.empty()) {
@@ -361,7 +177,7 @@ GrowthFit fit_growth_equation(const MeasurementSeries& given, const std::string&
   const GrowthLimit limit = known_limit ? fit_limit_curve(curve, data) : GrowthLimit{};
 
   for (int attempt = 0; attempt < 4; ++attempt) {
-    const auto optimum = find_optimum(problem, starts, options);
+    const auto optimum = find_growth_optimum(problem, starts, options);
     if (!optimum || !std::isfinite(optimum->best.rss)) {
       fit.reason = not_converged(series, equation);
       return fit;
