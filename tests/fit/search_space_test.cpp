@@ -53,7 +53,9 @@ TEST(SearchSpace, every_corner_is_a_valid_parameter_set) {
       const SearchSpace space(direct, equation, cycles);
       for (const double u : {0.0, 0.5, 1.0})
         EXPECT_NO_THROW(space.at(Eigen::VectorXd::Constant(space.size(), u)).validate());
-      if (cycles) EXPECT_EQ(space.at(Eigen::VectorXd::Constant(space.size(), 0.5)).cycles, 15);
+      if (cycles) {
+        EXPECT_EQ(space.at(Eigen::VectorXd::Constant(space.size(), 0.5)).cycles, 15);
+      }
     }
   }
   EXPECT_THROW(SearchSpace(direct, "korf", {}), InputError);
