@@ -166,7 +166,7 @@ LeafResult insert_on(const Tree& tree, const LeafOptions& options, const Bearing
   drift.add_candidates(placement.first_candidates());
   result.foliage.leaves = placement.take_leaves(drift);
 
-  measure_foliage(result.foliage, wood.foot_z, report);
+  measure_foliage(result.foliage, wood.foot_z, options.threads, report);
   report.distributions = drift.report(result.foliage);
   report.candidates = placement.counters().candidates;
   report.poses = placement.counters().poses;

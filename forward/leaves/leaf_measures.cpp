@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/leaves/leaf_measures.h"
 
+#include "core/parallel.h"
 #include "core/point_cloud.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -47,7 +49,8 @@ void cover(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& lo, double p
       const double px = static_cast<double>(x), py = static_cast<double>(y);
       const double u = ((bx - px) * (cy - py) - (by - py) * (cx - px)) / area;
       const double v = ((cx - px) * (ay - py) - (cy - py) * (ax - px)) / area;
-      if (u >= 0 && v >= 0 && u + v <= 1) covered[static_cast<std::size_t>(y * width + x)] = 1;
+      if (u >= 0 && v >= 0 && u + v <= 1)
+        std::atomic_ref(covered[static_cast<std::size_t>(y * width + x)]).store(1, std::memory_order_relaxed);
     }
 }
 
@@ -108,7 +111,7 @@ std::array<double, 10> projection_function(const Foliage& foliage) {
   return g;
 }
 
-double covered_area(const Foliage& foliage, double pixel_m) {
+double covered_area(const Foliage& foliage, double pixel_m, int threads) {
   Bounds bounds;
   double reach = 0;
   for (const LeafShape& shape : foliage.shapes)
@@ -122,17 +125,20 @@ double covered_area(const Foliage& foliage, double pixel_m) {
   const auto width = static_cast<std::int64_t>(bounds.size().x() / pixel) + 1;
   const auto height = static_cast<std::int64_t>(bounds.size().y() / pixel) + 1;
   std::vector<char> covered(static_cast<std::size_t>(width * height), 0);
-  std::vector<Vec3> v;
-  for (const Leaf& leaf : foliage.leaves) {
-    const LeafShape& shape = foliage.shapes[leaf.shape];
-    blade_vertices(leaf, shape, v);
-    for (const auto& t : shape.triangles)
-      cover(v[t[0]], v[t[1]], v[t[2]], bounds.lo, pixel, width, height, covered);
-  }
+  // Whoever marks a pixel marks it alike: the outcome does not depend on the order.
+  parallel_blocks(foliage.size(), 4096, threads, [&](std::size_t first, std::size_t last) {
+    std::vector<Vec3> v;
+    for (std::size_t i = first; i < last; ++i) {
+      const LeafShape& shape = foliage.shapes[foliage.leaves[i].shape];
+      blade_vertices(foliage.leaves[i], shape, v);
+      for (const auto& t : shape.triangles)
+        cover(v[t[0]], v[t[1]], v[t[2]], bounds.lo, pixel, width, height, covered);
+    }
+  });
   return static_cast<double>(std::count(covered.begin(), covered.end(), 1)) * pixel * pixel;
 }
 
-void measure_foliage(const Foliage& foliage, double foot_z, LeafReport& report) {
+void measure_foliage(const Foliage& foliage, double foot_z, int threads, LeafReport& report) {
   report.achieved_count = foliage.size();
   report.achieved_area_m2 = foliage.total_area();
   report.leaf_area_density = leaf_area_profile(foliage, foot_z, report.profile_step_m);
@@ -140,7 +146,7 @@ void measure_foliage(const Foliage& foliage, double foot_z, LeafReport& report) 
   report.g_function = projection_function(foliage);
   if (!(report.crown_area_m2 > 0)) return;
   report.lai = report.achieved_area_m2 / report.crown_area_m2;
-  report.gap_fraction = std::max(0.0, 1 - covered_area(foliage, 0.005) / report.crown_area_m2);
+  report.gap_fraction = std::max(0.0, 1 - covered_area(foliage, 0.005, threads) / report.crown_area_m2);
   // Beer's law with a clumping factor (Nilson 1971), towards the zenith.
   const double depth = report.g_function[0] * report.lai;
   if (depth > 0 && report.gap_fraction > 0 && report.gap_fraction < 1)

@@ -18,9 +18,9 @@ std::vector<LeafVoxel> leaf_voxels(const Foliage& foliage, double edge_m);
 /// 1981), over the blades' triangles; of at most about 20,000 leaves, evenly taken.
 std::array<double, 10> projection_function(const Foliage& foliage);
 /// Plan area (m2) the blades cover seen from above, on a raster of `pixel_m`.
-double covered_area(const Foliage& foliage, double pixel_m);
+double covered_area(const Foliage& foliage, double pixel_m, int threads = 1);
 
 /// Fills leaf_area_density, voxels, g_function, gap_fraction, clumping and lai; needs crown_area_m2.
-void measure_foliage(const Foliage& foliage, double foot_z, LeafReport& report);
+void measure_foliage(const Foliage& foliage, double foot_z, int threads, LeafReport& report);
 
 }  // namespace dendrofit
