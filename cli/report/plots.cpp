@@ -61,9 +61,21 @@ void add_taper(SvgPlot& plot, const std::vector<TaperPoint>& taper, PlotStyle st
     plot.line(x, y, style, name);
 }
 
+/// The stem's cylinders that were fitted to points of the scan.
+std::vector<TaperPoint> fitted_stem(const Tree& model) {
+  std::vector<TaperPoint> points;
+  const double foot = model.empty() ? 0 : foot_height(model);
+  for (std::size_t i = 0; i < model.size(); ++i)
+    if (model.order[i] == 0 && model.quality[i] == RadiusQuality::measured)
+      points.push_back({0.5 * (model.start[i].z() + model.end[i].z()) - foot, 2 * model.radius[i]});
+  return points;
+}
+
 std::string taper(const ReportData& data) {
   SvgPlot plot("Stem taper", "height above the foot (m)", "diameter (cm)");
-  add_taper(plot, data.measured_taper, kMeasuredStyle, "measured on the scan", true);
+  std::vector<TaperPoint> measured = data.measured_taper;
+  if (measured.empty() && data.model) measured = fitted_stem(*data.model);
+  add_taper(plot, measured, kMeasuredStyle, "measured on the scan", true);
   if (data.model_metrics)
     add_taper(plot, data.model_metrics->stem_taper, kScanStyle, "model of the scan", false);
   if (data.regrown_metrics)

@@ -82,9 +82,11 @@ struct ReportData {
   bool leaves_on_model = false;  ///< leaves stand on the model rather than on the regrown tree
   const TreeMetrics* model_metrics = nullptr;
   const TreeMetrics* regrown_metrics = nullptr;
-  std::vector<TaperPoint> measured_taper;  ///< stem diameters measured on the scan itself
-  std::string growth_model;                ///< "IGM, logistic equation"
-  std::string fit_status;                  ///< plain words: converged or why it stopped
+  /// Stem diameters measured on the scan itself; where empty, the model's stem cylinders of measured radius
+  /// stand for them.
+  std::vector<TaperPoint> measured_taper;
+  std::string growth_model;  ///< "IGM, logistic equation"
+  std::string fit_status;    ///< plain words: converged or why it stopped
   std::vector<ReportParameter> parameters;
   std::vector<ReportCurve> curves;
   std::vector<ReportDescriptor> descriptors;

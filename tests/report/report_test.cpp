@@ -81,6 +81,22 @@ TEST(Report, WithoutAnythingIsStillAPage) {
   EXPECT_TRUE(has(page, "id=\"table-provenance\""));
 }
 
+TEST(Report, MeasuredStemCylindersAreThePointsOfTheTaperPlot) {
+  const Tree model = test::branching_tree(3, 1, {1000, 2000, 300});  // five measured stem cylinders
+  const TreeMetrics metrics = measure(model);
+  ReportData data;
+  data.model = &model;
+  data.model_metrics = &metrics;
+  const std::string page = make_report(data);
+  const std::size_t from = page.find("id=\"plot-taper\"");
+  ASSERT_NE(from, std::string::npos);
+  const std::string plot = page.substr(from, page.find("</figure>", from) - from);
+  std::size_t circles = 0;
+  for (std::size_t at = plot.find("r=\"2.6\""); at != std::string::npos; at = plot.find("r=\"2.6\"", at + 1))
+    ++circles;
+  EXPECT_EQ(circles, 5u);
+}
+
 TEST(Report, ScanWithoutATreeShowsTheScan) {
   const PointCloud cloud = test::scattered_scan(test::branching_tree(1, 1), 300);
   ReportData data;
@@ -91,7 +107,8 @@ TEST(Report, ScanWithoutATreeShowsTheScan) {
 }
 
 TEST(Report, StaysUnderFifteenMegabytesForALargeScan) {
-  const test::Sample sample(2'000'000, 200'000);
+  // Past max_scan_points and max_leaves the page grows no further.
+  const test::Sample sample(750'000, 160'000);
   const std::string page = make_report(sample.data);
   EXPECT_LT(page.size(), 15'000'000u);
   EXPECT_TRUE(!has_viewer() || has(page, "The view shows 700,000 of the scan"));
