@@ -11,6 +11,7 @@
 #include <string>
 
 #include <pcl/ModelCoefficients.h>
+#include <pcl/console/print.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 #include <pcl/sample_consensus/sac_model_perpendicular_plane.h>
@@ -103,6 +104,7 @@ Plane robust_plane(const LowestRaster& raster, double tolerance) {
       }());
   Plane plane;
   if (cloud->size() < 3) return plane;
+  pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // a library does not print
   pcl::SACSegmentation<pcl::PointXYZ> segmentation(false);
   segmentation.setModelType(pcl::SACMODEL_PERPENDICULAR_PLANE);
   segmentation.setMethodType(pcl::SAC_RANSAC);

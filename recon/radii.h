@@ -12,7 +12,7 @@
 namespace dendrofit {
 
 struct RadiusOptions {
-  std::optional<double> twig_diameter_m;  ///< of the species' twig ends, where known
+  std::optional<double> twig_diameter_m = std::nullopt;  ///< of the species' twig ends, where known
   void validate() const;
 };
 

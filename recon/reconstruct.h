@@ -15,14 +15,14 @@
 namespace dendrofit {
 
 struct ReconstructOptions {
-  double voxel_size_m = 0.004;            ///< points closer together than this are merged
-  int neighbors = 10;                     ///< links of each point in the neighbour graph
-  double max_gap_m = 1.5;                 ///< widest gap in the scan that wood is believed to cross
-  double shortest_limb_m = 0.02;          ///< shorter side shoots are noise about their bearer
-  double dbh_height_m = 1.3;              ///< above the foot
-  std::optional<double> twig_diameter_m;  ///< of the species' twig ends, where known
-  int threads = 0;                        ///< 0: all cores
-  std::uint64_t seed = 1;                 ///< of the resampling behind the intervals
+  double voxel_size_m = 0.004;    ///< points closer together than this are merged
+  int neighbors = 10;             ///< links of each point in the neighbour graph
+  double max_gap_m = 1.5;         ///< widest gap in the scan that wood is believed to cross
+  double shortest_limb_m = 0.02;  ///< shorter side shoots are noise about their bearer
+  double dbh_height_m = 1.3;      ///< above the foot
+  std::optional<double> twig_diameter_m = std::nullopt;  ///< of the species' twig ends, where known
+  int threads = 0;                                       ///< 0: all cores
+  std::uint64_t seed = 1;                                ///< of the resampling behind the intervals
   /// Throws InputError naming field, value and limit.
   void validate() const;
 };

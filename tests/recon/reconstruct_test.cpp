@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "recon/reconstruct.h"
+
+#include "core/errors.h"
+#include "core/tree_topology.h"
+#include "tests/recon/hand_made_clouds.h"
+
+#include <atomic>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace dendrofit {
+namespace {
+
+int roots_of(const Tree& tree) {
+  int roots = 0;
+  for (const std::int32_t p : tree.parent) roots += p < 0;
+  return roots;
+}
+
+TEST(Reconstruct, a_noisy_cylinder_is_one_axis_of_its_radius) {
+  PointCloud cloud;
+  test::add_wood(cloud, {0, 0, 0}, {0.1, 0, 2}, 0.06, 0.05, 0.008, 0.002);
+  const Reconstruction r = reconstruct(cloud);
+  r.tree.validate();
+  EXPECT_EQ(roots_of(r.tree), 1);
+  ASSERT_TRUE(r.metrics.dbh_m.has_value());
+  EXPECT_NEAR(*r.metrics.dbh_m, 2 * (0.06 - 0.01 * 1.3 / 2), 0.003);
+  EXPECT_NEAR(r.metrics.height_m, 2, 0.03);
+  EXPECT_NEAR(r.metrics.stem_volume_m3, 2.0025 * 3.14159 * (0.0036 + 0.003 + 0.0025) / 3, 0.0010);
+}
+
+TEST(Reconstruct, a_half_seen_cylinder_keeps_its_radius) {
+  PointCloud cloud;
+  test::add_wood(cloud, {0, 0, 0}, {0, 0, 2}, 0.08, 0.08, 0.008, 0.001, 0.0, 0.5);
+  const Reconstruction r = reconstruct(cloud);
+  EXPECT_NEAR(r.metrics.dbh_m.value_or(0), 0.16, 0.008);
+}
+
+TEST(Reconstruct, a_small_tree_has_its_branches_where_they_are) {
+  const Reconstruction r = reconstruct(test::small_tree());
+  r.tree.validate();
+  EXPECT_EQ(roots_of(r.tree), 1);
+  const auto axes = axes_of(r.tree);
+  int first_order = 0;
+  for (const Axis& axis : axes) {
+    if (axis.order != 1 || axis.length < 0.4) continue;
+    ++first_order;
+    const double z = r.tree.start[static_cast<std::size_t>(axis.nodes.front())].z() + r.tree.origin_shift.z();
+    EXPECT_TRUE(std::abs(z - 1.5) < 0.06 || std::abs(z - 1.9) < 0.06) << z;
+  }
+  EXPECT_EQ(first_order, 2);
+}
+
+TEST(Reconstruct, a_y_becomes_two_arms_and_the_thicker_goes_on) {
+  PointCloud cloud;
+  test::add_wood(cloud, {0, 0, 0}, {0, 0, 1}, 0.05, 0.05, 0.008, 0.001);
+  test::add_wood(cloud, {0.01, 0, 1}, {0.6, 0, 2}, 0.04, 0.03, 0.008, 0.001);
+  test::add_wood(cloud, {-0.01, 0, 1}, {-0.6, 0, 2}, 0.025, 0.015, 0.008, 0.001);
+  const Reconstruction r = reconstruct(cloud);
+  double stem_end = 0;
+  for (std::size_t i = 0; i < r.tree.size(); ++i)
+    if (r.tree.order[i] == 0) stem_end = r.tree.end[i].x() + r.tree.origin_shift.x();
+  EXPECT_GT(stem_end, 0.4);
+  EXPECT_GT(r.metrics.branch_volume_m3, 0.0005);
+}
+
+TEST(Reconstruct, a_gap_is_crossed_and_marked) {
+  PointCloud cloud;
+  test::add_wood(cloud, {0, 0, 0}, {0, 0, 1.5}, 0.05, 0.045, 0.008, 0.001);
+  test::add_wood(cloud, {0, 0, 1.8}, {0, 0, 3}, 0.044, 0.03, 0.008, 0.001);
+  const Reconstruction r = reconstruct(cloud);
+  EXPECT_EQ(roots_of(r.tree), 1);
+  EXPECT_NEAR(r.metrics.height_m, 3, 0.05);
+  EXPECT_GE(r.bridged_gaps, 1u);
+  bool marked = false;
+  for (std::size_t i = 0; i < r.tree.size(); ++i) {
+    const double z = 0.5 * (r.tree.start[i].z() + r.tree.end[i].z()) + r.tree.origin_shift.z();
+    marked = marked || (z > 1.5 && z < 1.8 && r.tree.quality[i] != RadiusQuality::measured);
+  }
+  EXPECT_TRUE(marked);
+}
+
+TEST(Reconstruct, standing_elsewhere_or_other_threads_change_nothing) {
+  const PointCloud here = test::small_tree();
+  PointCloud there = here;
+  there.origin_shift = Vec3(500000, 5000000, 0);
+  const Reconstruction a = reconstruct(here, {.threads = 1}), b = reconstruct(there, {.threads = 2});
+  ASSERT_EQ(a.tree.size(), b.tree.size());
+  for (std::size_t i = 0; i < a.tree.size(); ++i) {
+    EXPECT_EQ(a.tree.radius[i], b.tree.radius[i]);
+    EXPECT_EQ(a.tree.end[i], b.tree.end[i]);
+  }
+}
+
+TEST(Reconstruct, intervals_hold_the_truth) {
+  const Reconstruction r = reconstruct(test::small_tree(0.002));
+  for (const char* name : {"dbh_m", "height_m", "stem_volume_m3", "total_volume_m3"})
+    ASSERT_TRUE(r.metrics.intervals.count(name)) << name;
+  const Interval dbh = r.metrics.intervals.at("dbh_m"), height = r.metrics.intervals.at("height_m");
+  const double truth = 2 * (0.05 - 0.04 * 1.3 / 3);
+  EXPECT_LE(dbh.lo, truth);
+  EXPECT_GE(dbh.hi, truth);
+  EXPECT_LT(dbh.hi - dbh.lo, 0.3 * truth);
+  EXPECT_LE(height.lo, 3.0);
+  EXPECT_GE(height.hi, 3.0);
+}
+
+TEST(Reconstruct, empty_and_single_points_are_refused) {
+  EXPECT_THROW(reconstruct(PointCloud{}), SolverError);
+  PointCloud one;
+  one.points = {{1, 2, 3}};
+  EXPECT_THROW(reconstruct(one), SolverError);
+  EXPECT_THROW(reconstruct(one, {.voxel_size_m = -1}), InputError);
+  EXPECT_THROW(reconstruct(one, {.dbh_height_m = 0}), InputError);
+}
+
+TEST(Reconstruct, stops_when_asked_to) {
+  const std::atomic<bool> stop{true};
+  Progress progress(&stop);
+  EXPECT_THROW(reconstruct(test::small_tree(), {}, progress), Cancelled);
+}
+
+}  // namespace
+}  // namespace dendrofit
