@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/convex_hull.h"
 
+#include <array>
 #include <cmath>
 #include <iterator>
 
@@ -14,6 +15,8 @@ namespace dendrofit {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+__extension__ using Wide = __int128;
+constexpr double kPerMetre = 1e6;
 
 }  // namespace
 
@@ -36,24 +39,31 @@ PlanHull plan_hull(const std::vector<Vec3>& points) {
 }
 
 double hull_volume(const std::vector<Vec3>& points) {
+  if (points.size() < 4) return 0;
+  // In whole micrometres and summed exactly: the order in which the hull lists its faces follows addresses in
+  // memory, and must not show in the result.
   std::vector<Kernel::Point_3> space;
   space.reserve(points.size());
-  for (const Vec3& p : points) space.emplace_back(p.x(), p.y(), p.z());
-  if (space.size() < 4) return 0;
+  for (const Vec3& p : points) {
+    const Vec3 about = ((p - points.front()) * kPerMetre).array().round();
+    space.emplace_back(about.x(), about.y(), about.z());
+  }
   CGAL::Surface_mesh<Kernel::Point_3> hull;
   CGAL::convex_hull_3(space.begin(), space.end(), hull);
-  if (hull.number_of_faces() == 0) return 0;
-  const auto vec = [](const Kernel::Point_3& p) { return Vec3(p.x(), p.y(), p.z()); };
-  const Vec3 apex = vec(hull.point(*hull.vertices().begin()));
-  double six_volumes = 0;
+  using Exact = std::array<Wide, 3>;
+  const auto exact = [](const Kernel::Point_3& p) {
+    return Exact{static_cast<Wide>(p.x()), static_cast<Wide>(p.y()), static_cast<Wide>(p.z())};
+  };
+  Wide six_volumes = 0;
   for (const auto face : hull.faces()) {
-    auto h = hull.halfedge(face);
-    const Vec3 a = vec(hull.point(hull.source(h))) - apex;
-    const Vec3 b = vec(hull.point(hull.target(h))) - apex;
-    const Vec3 c = vec(hull.point(hull.target(hull.next(h)))) - apex;
-    six_volumes += a.dot(b.cross(c));
+    const auto h = hull.halfedge(face);
+    const Exact a = exact(hull.point(hull.source(h)));
+    const Exact b = exact(hull.point(hull.target(h)));
+    const Exact c = exact(hull.point(hull.target(hull.next(h))));
+    six_volumes += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+                   a[2] * (b[0] * c[1] - b[1] * c[0]);
   }
-  return std::abs(six_volumes) / 6;
+  return std::abs(static_cast<double>(six_volumes)) / (6 * kPerMetre * kPerMetre * kPerMetre);
 }
 
 }  // namespace dendrofit

@@ -19,6 +19,7 @@ struct PlanHull {
 PlanHull plan_hull(const std::vector<Vec3>& points);
 
 /// Volume (cubic metres) of the 3-D hull; 0 for fewer than four points or points in one plane.
+/// Coordinates count to the micrometre; the extent must stay below 1,000 km.
 double hull_volume(const std::vector<Vec3>& points);
 
 }  // namespace dendrofit

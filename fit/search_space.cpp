@@ -78,7 +78,7 @@ DirectEstimates estimate_directly(const Tree& tree, std::optional<double> intern
 
 SearchSpace::SearchSpace(const DirectEstimates& direct, const std::string& equation,
                          std::optional<int> cycles)
-    : base_(igm_preset("standard").parameters) {
+    : base_(igm_preset("table2-06").parameters) {
   base_.rho_m = direct.internode_length_m;
   base_.pipe_exponent = direct.pipe_exponent;
   base_.set_equation(equation);
