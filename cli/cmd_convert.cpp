@@ -23,7 +23,8 @@ const std::map<std::string, TreeFormat> kTreeFormats = {{"dendrofit", TreeFormat
                                                         {"treeqsm-mat", TreeFormat::treeqsm_mat},
                                                         {"treefile", TreeFormat::treefile},
                                                         {"simpleforest", TreeFormat::simpleforest_csv},
-                                                        {"archi", TreeFormat::archi_csv}};
+                                                        {"archi", TreeFormat::archi_csv},
+                                                        {"arbor", TreeFormat::arbor_csv}};
 
 std::vector<std::string> tree_format_names() {
   std::vector<std::string> names = {"auto"};

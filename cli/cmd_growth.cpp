@@ -83,6 +83,8 @@ class Growth : public Command {
                   "Hold a parameter, e.g. X0=0.3 or weibull.w3=2; may be repeated");
     options.texts("--bound", bound_, "NAME=LO:HI",
                   "Bound a parameter ('asymptote' for each equation's own); may be repeated");
+    options.texts("--start", start_, "NAME=VALUE",
+                  "Starting value tried before the automatic ones; may be repeated");
     options.flag("--fit-offset", fit_offset_, "Fit an offset: X = offset + f(t)");
     options.flag("--fit-time-shift", fit_shift_, "Fit a time shift: X = f(t + shift)");
     options.number("--offset", offset_, Quantity::pure,
@@ -98,6 +100,14 @@ class Growth : public Command {
     options.number("--base-age", base_age_, Quantity::pure, "Base age of the site index");
     options.choice("--mixed", mixed_, {"none", "asymptote", "asymptote_and_rate"},
                    "Mixed-effects model over the series");
+    options.choice(
+        "--mixed-form", mixed_form_, {"shape", "start"},
+        "What the series share in the mixed model: the curve's shape in time, or the size at age 0");
+    options.text("--ages", ages_, "LIST",
+                 "Ages of the curves and bands, comma separated (default: 60 over the data)");
+    options.flag("--no-profile", no_profile_,
+                 "Wald limits in place of profile-likelihood ones (faster, less honest)");
+    options.flag("--no-pooled", no_pooled_, "No fit of all series as one");
     options.flag("--trunk-base-unmeasured", base_unmeasured_,
                  "The first years are missing from the measurements");
     options.path("--params-out", params_out_, "Also write the best fit as parameters for dendrofit grow");
@@ -156,6 +166,13 @@ class Growth : public Command {
     options.mixed = mixed_ == "none"        ? GrowthMixedEffects::none
                     : mixed_ == "asymptote" ? GrowthMixedEffects::asymptote
                                             : GrowthMixedEffects::asymptote_and_rate;
+    options.mixed_form = mixed_form_ == "shape" ? GrowthMixedForm::shape : GrowthMixedForm::start;
+    for (const auto& [name, value] : assignments("--start", start_))
+      options.start[name] = plain_number("--start", value);
+    for (const std::string& age : split(ages_, ','))
+      options.band_times.push_back(plain_number("--ages", age));
+    options.profile_intervals = !no_profile_;
+    options.pooled = !no_pooled_;
     options.trunk_base_unmeasured = base_unmeasured_;
     options.time_unit = to_time_unit_.empty() ? time_unit_ : to_time_unit_;
     options.value_unit = to_value_unit_.empty() ? value_unit_ : to_value_unit_;
@@ -244,11 +261,13 @@ class Growth : public Command {
   }
 
   fs::path table_, output_, params_out_;
-  std::vector<std::string> from_, fix_, bound_;
+  std::vector<std::string> from_, fix_, bound_, start_;
   std::string quantity_ = "height", equations_ = "logistic,bertalanffy,weibull";
   std::string time_unit_ = "years", value_unit_ = "m", to_time_unit_, to_value_unit_;
-  std::string weights_ = "equal", loss_ = "none", mixed_ = "none", params_equation_;
-  bool fit_offset_ = false, fit_shift_ = false, base_unmeasured_ = false;
+  std::string weights_ = "equal", loss_ = "none", mixed_ = "none", mixed_form_ = "shape", params_equation_,
+              ages_;
+  bool no_profile_ = false, no_pooled_ = false, fit_offset_ = false, fit_shift_ = false,
+       base_unmeasured_ = false;
   double offset_ = 0, loss_scale_ = 1, confidence_ = 0.95;
   std::optional<double> origin_, base_age_;
 };
