@@ -59,7 +59,8 @@ MarkerField::MarkerField(const std::vector<Vec3>& position, const std::vector<Fi
   lo_ = (bounds.lo - frame.origin) / frame.edge_m;
   if (((bounds.size() / frame.edge_m).cwiseQuotient(cell_) + Vec3::Ones()).prod() > kMostCells)
     throw InputError("trees stand too far apart to share one light field; grow them in separate runs");
-  for (int axis = 0; axis < 3; ++axis) count_[axis] = static_cast<int>(bounds.size()[axis] / frame.edge_m / cell_[axis]) + 1;
+  for (int axis = 0; axis < 3; ++axis)
+    count_[axis] = static_cast<int>(bounds.size()[axis] / frame.edge_m / cell_[axis]) + 1;
 
   const std::size_t n = position.size();
   std::vector<std::uint32_t> cell(n);
@@ -90,7 +91,8 @@ MarkerField::MarkerField(const std::vector<Vec3>& position, const std::vector<Fi
 }
 
 int MarkerField::cell_of(double coordinate, int axis) const {
-  return std::clamp(static_cast<int>(std::floor((coordinate - lo_[axis]) / cell_[axis])), 0, count_[axis] - 1);
+  return std::clamp(static_cast<int>(std::floor((coordinate - lo_[axis]) / cell_[axis])), 0,
+                    count_[axis] - 1);
 }
 
 MarkerField::Run MarkerField::run(int x, int y0, int y1, int z) const {

@@ -41,7 +41,7 @@ class MarkerField {
 
   VoxelFrame frame_;
   Vec3 cell_ = Vec3::Ones();  // voxels
-  Vec3 lo_ = Vec3::Zero();  // voxels
+  Vec3 lo_ = Vec3::Zero();    // voxels
   int count_[3] = {0, 0, 0};
   std::vector<std::uint32_t> first_;        // of each cell; z slowest, y fastest
   std::vector<float> x_, y_, z_;            // voxels from lo_; far away once taken

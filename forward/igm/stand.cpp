@@ -93,7 +93,8 @@ void thicken(Stand& stand) {
     const auto axis = static_cast<std::size_t>(nodes.axis[i]);
     double carried = from_axis[i];
     if (nodes.laterals[i] > 0)
-      carried += from_laterals[i] * (stand.parameters_of_axis(axis).paper ? 0.5 * (nodes.laterals[i] + 1) : 1);
+      carried +=
+          from_laterals[i] * (stand.parameters_of_axis(axis).paper ? 0.5 * (nodes.laterals[i] + 1) : 1);
     nodes.pipe[i] = std::max(nodes.pipe[i], carried);  // R^v = sum R_j^v, never less than before
     const std::int32_t from = nodes.previous[i];
     if (from < 0) continue;

@@ -86,8 +86,9 @@ struct Stand {
   void drop(const std::vector<char>& dropped);
 };
 
-/// Pipe-model radii from tips to bases (Yi 2018, 4.6); radii never shrink. With `paper`, the base record of each of m
-/// siblings carries itself and the siblings before it, as in the authors' program: (m+1)/2 times their sum.
+/// Pipe-model radii from tips to bases (Yi 2018, 4.6); radii never shrink. With `paper`, the base record of
+/// each of m siblings carries itself and the siblings before it, as in the authors' program: (m+1)/2 times
+/// their sum.
 void thicken(Stand& stand);
 
 /// The stand as a core tree: axis after axis, stems first among each plant's.
