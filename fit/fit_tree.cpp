@@ -158,6 +158,7 @@ struct Judged {
   Eigen::MatrixXd simulations;
   double cost = 0;
   std::uint64_t key = 0;
+  double internode_length_m = 0;
 };
 
 Judged judge(const Problem& problem, const NoiseMetric& metric, Points finalists, std::vector<Tried> tried,
@@ -172,7 +173,23 @@ Judged judge(const Problem& problem, const NoiseMetric& metric, Points finalists
   const auto costs = costs_of(rows, kJudgingSeeds, metric);
   const auto best = static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) - costs.begin());
   return {finalists[best], rows.middleRows(static_cast<Eigen::Index>(best) * kJudgingSeeds, kJudgingSeeds),
-          costs[best], first_key + best};
+          costs[best], first_key + best, problem.direct.internode_length_m};
+}
+
+/// Internode length is a convention unless it was given: one that brings the trees to the observed height is
+/// taken where it brings them nearer as a whole.
+Judged settle_scale(const Problem& problem, const NoiseMetric& metric, Judged best, Progress& progress) {
+  best.internode_length_m = problem.direct.internode_length_m;
+  if (problem.options.internode_length_m) return best;
+  double height = 0;  // descriptor 0 is the logarithm of the height
+  for (const double log_height : best.simulations.col(0)) height += std::exp(log_height) / kJudgingSeeds;
+  const double ratio = std::clamp(problem.direct.height_m / height, 0.6, 1.6);
+  Problem scaled = problem;
+  scaled.space = problem.space.rescaled(problem.direct.internode_length_m * ratio);
+  const Eigen::MatrixXd simulations = scaled.run({best.point}, kJudgingSeeds, best.key, progress);
+  const double cost = metric.cost(simulations);
+  if (cost >= best.cost) return best;
+  return {best.point, simulations, cost, best.key, problem.direct.internode_length_m * ratio};
 }
 
 /// Mean distance of each of the trees from the others: what no parameter set can get below.
@@ -307,10 +324,12 @@ TreeFit fit_tree(const Tree& observed, const FitOptions& options, Progress& prog
   // Both ends on fresh seeds.
   const Eigen::MatrixXd before =
       problem.run({Eigen::VectorXd::Constant(dimensions, 0.5)}, kJudgingSeeds, kJudgingKeys, progress);
-  const Judged best = judge(problem, metric, {found, start.point}, tried, kJudgingKeys + 1, progress);
+  const Judged best =
+      settle_scale(problem, metric,
+                   judge(problem, metric, {found, start.point}, tried, kJudgingKeys + 1, progress), progress);
   const int nearest = nearest_simulation(best.simulations, metric);
 
-  fit.best = problem.space.at(best.point);
+  fit.best = problem.space.rescaled(best.internode_length_m).at(best.point);
   fit.best_seed = simulation_seed(options.seed, best.key, nearest);
   fit.best.tip_radius_m = regrow(fit.best, direct, fit.best_seed, progress).tip_radius_m;
   fit.cost_before = metric.cost(before);

@@ -122,4 +122,10 @@ IgmParameters SearchSpace::at(const Eigen::VectorXd& unit) const {
   return parameters;
 }
 
+SearchSpace SearchSpace::rescaled(double internode_length_m) const {
+  SearchSpace other = *this;
+  other.base_.rho_m = internode_length_m;
+  return other;
+}
+
 }  // namespace dendrofit

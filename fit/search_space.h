@@ -47,6 +47,8 @@ class SearchSpace {
   Eigen::Index size() const { return static_cast<Eigen::Index>(rows_.size()); }
   double value(Eigen::Index row, double unit) const;
   IgmParameters at(const Eigen::VectorXd& unit) const;
+  /// The same ranges for trees of another internode length.
+  SearchSpace rescaled(double internode_length_m) const;
 
  private:
   IgmParameters base_;
