@@ -181,12 +181,13 @@ DescriptorInput analyse(const Tree& tree, const DescribeOptions& options) {
   const Tree& t = in.tree;
   in.axes = axes_of(t);
   const double foot_z = foot_height(t);
+  // The height is the whole tree's: a scan sees the top even where its twigs are too thin to compare.
   double top = foot_z;
+  for (std::size_t i = 0; i < tree.size(); ++i) top = std::max({top, tree.start[i].z(), tree.end[i].z()});
   in.foot = t.start.front();
   in.volume_by_height.reserve(t.size());
   in.reach.reserve(t.size());
   for (std::size_t i = 0; i < t.size(); ++i) {
-    top = std::max({top, t.start[i].z(), t.end[i].z()});
     const Vec3 middle = 0.5 * (t.start[i] + t.end[i]);
     in.volume_by_height.emplace_back(middle.z() - foot_z, t.volume(i));
     in.total_volume += t.volume(i);

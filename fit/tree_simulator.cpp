@@ -11,8 +11,10 @@
 namespace dendrofit {
 namespace {
 
-constexpr double kThinnestTip = 0.0003;
-constexpr double kThickestTip = 0.03;
+// Tip radii over internode lengths (the authors' program: 0.03). Thicker "tips" would let a tree of a few
+// poles pass.
+constexpr double kThinnestTip = 0.005;
+constexpr double kThickestTip = 0.06;
 
 double thickest_root(const Tree& tree) {
   double radius = 0;
@@ -42,7 +44,8 @@ Regrown regrow(const IgmParameters& parameters, const DirectEstimates& observed,
       has = *dbh;
     }
   }
-  grown.tip_radius_m = std::clamp(parameters.tip_radius_m * wanted / has, kThinnestTip, kThickestTip);
+  grown.tip_radius_m = std::clamp(parameters.tip_radius_m * wanted / has, kThinnestTip * parameters.rho_m,
+                                  kThickestTip * parameters.rho_m);
   const double scale = grown.tip_radius_m / parameters.tip_radius_m;
   for (double& radius : grown.tree.radius) radius *= scale;
   return grown;

@@ -100,11 +100,11 @@ TEST(FitTree, refuses_nonsense) {
 
 TEST(TreeSimulator, radii_are_scaled_to_the_observed_diameter) {
   DirectEstimates observed = estimate_directly(known_tree());
-  observed.dbh_m = 0.2;
+  observed.dbh_m = 0.1;
   IgmParameters p = igm_preset("standard").parameters;
   p.cycles = 10;
   const Regrown grown = regrow(p, observed, 5, no_progress());
-  EXPECT_NEAR(*measure(grown.tree).dbh_m, 0.2, 1e-9);
+  EXPECT_NEAR(*measure(grown.tree).dbh_m, 0.1, 1e-9);
   // and the growth model, given that tip radius, grows the same tree
   p.tip_radius_m = grown.tip_radius_m;
   const Tree again = grow_igm(p, {}, {.seed = 5}).tree;
