@@ -37,7 +37,9 @@ class Grow : public Command {
     options.flag("--until-stop", until_stop_, "Grow until nothing sprouts any more");
     options.path("--from", from_, "Go on from this tree (qsm.csv or any QSM format)");
     options.integer("--from-cycle", from_cycle_, "The cycle that tree is at (default: from the tree)");
-    options.path("--site", site_, "Site file (TOML): obstacles and further trees");
+    options.path("--site", site_,
+                 "Site file (TOML): obstacles, and the trees that stand there (without parameters of their "
+                 "own they take PARAMS)");
     options.texts("--mesh", meshes_, "obj|ply|glb",
                   "Also write the tree as a mesh; may be given several times");
     options.flag("--frames", frames_, "Also write the tree after every cycle (frames/cycle_NNN.csv)");
@@ -82,8 +84,13 @@ class Grow : public Command {
   }
 
   IgmSite resolve_site(const IgmParameters& parameters) const {
-    if (!site_.empty()) return load_site(site_, parameters);
     IgmSite site;
+    if (!site_.empty()) {
+      site = load_site(site_, parameters);
+      for (IgmTreeSite& tree : site.trees)
+        if (cycles_ && tree.parameters) tree.parameters->set("cycles", *cycles_, "--cycles");
+      return site;
+    }
     const auto presets = igm_presets();
     const auto preset = std::find_if(presets.begin(), presets.end(),
                                      [&](const IgmPreset& p) { return p.name == parameters_.string(); });
@@ -129,6 +136,12 @@ class Grow : public Command {
                                         {"cylinders", growth.tree.size()},
                                         {"metrics", nlohmann::ordered_json::parse(metrics_to_json(metrics))}}
                      .dump(2));
+    const int first = growth.series.empty() ? 0 : growth.series.front().cycle;
+    if (first > 0 && growth.last_cycle <= first)
+      session.warn(
+          fmt::format("nothing was added: the tree is at cycle {} already, and cycles count from its birth; "
+                      "give more with --cycles, or its true cycle with --from-cycle",
+                      first));
     session.say(fmt::format("Grown to cycle {}: {}.", growth.last_cycle, growth.stop_reason));
     say_metrics(session, growth.tree, metrics);
     session.say("Written to " + folder.string() + ": qsm.csv, metrics.json, growth.csv, params.toml");

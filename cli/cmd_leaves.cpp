@@ -29,6 +29,7 @@ class Leaves : public Command {
   }
 
   int run(Session& session) override {
+    need_output(output_);
     check_mesh_formats(meshes_);
     LeafOptions options = settings_.resolve(session.common());
     const Tree tree = read_tree(tree_);

@@ -24,6 +24,7 @@ class Reconstruct : public Command {
   }
 
   int run(Session& session) override {
+    need_output(output_);
     check_mesh_formats(meshes_);
     const ReconstructOptions options = settings_.resolve(session.common());
     const PointCloud scan = settings_.read_scan(session, scan_, session.progress());

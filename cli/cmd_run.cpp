@@ -38,6 +38,7 @@ class Run : public Command {
   }
 
   int run(Session& session) override {
+    need_output(output_);
     const ReconstructOptions reconstruct_options = reconstruct_.resolve(session.common());
     const FitOptions fit_options = fit_.resolve(session.common());
     const LeafOptions leaf_options = leaves_.resolve(session.common());

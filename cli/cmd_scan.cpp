@@ -5,6 +5,7 @@
 #include "cli/output_folder.h"
 #include "cli/parse.h"
 #include "core/atomic_file.h"
+#include "core/errors.h"
 #include "forward/virtual_scan/virtual_scan.h"
 #include "io/metrics_json.h"
 #include "io/read_tree.h"
@@ -66,6 +67,9 @@ class Scan : public Command {
     }
     const VirtualScan scan =
         scan_tree(tree, leaf_on_ ? &leaves.foliage : nullptr, options, session.progress());
+    if (scan.cloud.empty())
+      throw SolverError(
+          "no beam hit anything: the tree stands beyond --max-range, or --step is too coarse for it");
     write_point_cloud(output_, scan.cloud);
     write_qsm_csv(beside("_truth.csv"), tree);
     write_truth(scan, tree);

@@ -49,6 +49,7 @@ void ConsoleProgress::advance(double amount) {
   if (style_ == Style::none) return;
   const std::lock_guard lock(mutex_);
   done_ += amount;
+  if (total_ > 0) done_ = std::min(done_, total_);
   const auto now = Clock::now();
   if (style_ == Style::bar ? (now - started_ < kFirstBar || now - drawn_ < kBarEvery)
                            : now - drawn_ < kLineEvery)

@@ -17,8 +17,12 @@ namespace dendrofit::cli {
 
 namespace fs = std::filesystem;
 
+void need_output(const fs::path& output) {
+  if (output.empty()) throw UsageError("no output folder: give one with -o FOLDER");
+}
+
 fs::path prepare_output_folder(const fs::path& folder, const CommonOptions& common) {
-  if (folder.empty()) throw UsageError("no output folder: give one with -o FOLDER");
+  need_output(folder);
   std::error_code error;
   if (fs::exists(folder, error)) {
     if (!fs::is_directory(folder)) throw IoError(folder.string() + ": is a file; -o wants a folder");

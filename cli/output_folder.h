@@ -10,6 +10,9 @@
 
 namespace dendrofit::cli {
 
+/// Throws UsageError where no -o was given; commands call it before they read anything.
+void need_output(const std::filesystem::path& output);
+
 /// The folder of -o. Made when it does not exist; throws UsageError when it holds results already and --force
 /// was not given, IoError when it cannot be made or is a file.
 std::filesystem::path prepare_output_folder(const std::filesystem::path& folder, const CommonOptions& common);

@@ -84,7 +84,15 @@ std::string toml_text(const TomlEntry& entry) {
 
 void apply_config(const std::filesystem::path& file, const OptionTable& options,
                   const std::set<std::string>& given) {
-  for (const TomlEntry& entry : read_toml(file)) {
+  std::vector<TomlEntry> entries = read_toml(file);
+  // A run.toml holds the options of its run in a table of their own, beside facts that are none.
+  constexpr std::string_view kTable = "options.";
+  if (std::any_of(entries.begin(), entries.end(),
+                  [&](const TomlEntry& e) { return e.key.starts_with(kTable); })) {
+    std::erase_if(entries, [&](const TomlEntry& e) { return !e.key.starts_with(kTable); });
+    for (TomlEntry& entry : entries) entry.key.erase(0, kTable.size());
+  }
+  for (const TomlEntry& entry : entries) {
     const std::string where = fmt::format("{}:{}", file.string(), entry.line);
     const OptionSpec* spec = options.find(entry.key);
     if (!spec || spec->name == "--config") {

@@ -35,7 +35,7 @@ void write_leaf_files(const std::filesystem::path& folder, const Foliage& foliag
   for (const std::string& format : mesh_formats) {
     if (format == "obj") write_foliage_obj(folder / "leaves.obj", foliage);
     if (format == "ply") write_foliage_ply(folder / "leaves.ply", foliage);
-    if (format == "glb") write_foliage_glb(folder / "leaves.glb", foliage);
+    if (format == "glb" && foliage.size() > 0) write_foliage_glb(folder / "leaves.glb", foliage);
   }
 }
 

@@ -19,7 +19,8 @@ void check_mesh_formats(const std::vector<std::string>& formats);
 void write_tree_files(const std::filesystem::path& folder, const Tree& tree, const TreeMetrics& metrics,
                       const std::vector<std::string>& mesh_formats);
 
-/// leaves.csv, leaves.json (given as text) and leaves.<format> for each format.
+/// leaves.csv, leaves.json (given as text) and leaves.<format> for each format (a scene without leaves has no
+/// .glb).
 void write_leaf_files(const std::filesystem::path& folder, const Foliage& foliage,
                       const std::string& report_json, const std::vector<std::string>& mesh_formats);
 

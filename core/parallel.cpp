@@ -19,7 +19,7 @@ void parallel_blocks(std::size_t count, std::size_t block, int threads,
   block = std::max<std::size_t>(1, block);
   const std::size_t blocks = (count + block - 1) / block;
   const auto run = [&](std::size_t b) { body(b * block, std::min(count, (b + 1) * block)); };
-  const int workers = resolve_threads(threads);
+  const int workers = std::min(resolve_threads(threads), resolve_threads(0));  // more would only wait
   if (workers == 1 || blocks == 1) {
     for (std::size_t b = 0; b < blocks; ++b) run(b);
     return;

@@ -127,6 +127,48 @@ TEST(Program, an_option_of_the_config_file_works_as_on_the_command_line) {
   EXPECT_THAT(bad.err, HasSubstr("cycles"));
 }
 
+TEST(Program, a_runs_record_serves_as_its_config_file) {
+  const test::ScratchFolder scratch;
+  ASSERT_EQ(run("grow standard --cycles 6 --seed 3 -o " + (scratch / "a").string()).code, 0);
+  const Outcome again = run("grow standard --config " + (scratch / "a" / "run.toml").string() + " -o " +
+                            (scratch / "b").string());
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(test::content_of(scratch / "a" / "qsm.csv"), test::content_of(scratch / "b" / "qsm.csv"));
+}
+
+TEST(Program, no_leaves_asked_for_is_no_error) {
+  const test::ScratchFolder scratch;
+  const Outcome none =
+      run("leaves " + sample("young_tree_truth.csv") + " --count 0 -o " + (scratch / "l").string());
+  EXPECT_EQ(none.code, 0) << none.err;
+  EXPECT_TRUE(fs::exists(scratch / "l" / "run.toml"));
+  EXPECT_EQ(nlohmann::json::parse(test::content_of(scratch / "l" / "leaves.json")).at("achieved").at("count"),
+            0);
+}
+
+TEST(Program, cycles_count_for_every_tree_of_a_site_and_growing_on_says_when_nothing_is_added) {
+  const test::ScratchFolder scratch;
+  write_file(scratch / "site.toml",
+             "[[tree]]\nroot = [0, 0, 0]\n[[tree]]\nroot = [3, 0, 0]\nparameters = \"table2-05\"\n");
+  const Outcome stand = run("grow standard --json --cycles 5 --site " + (scratch / "site.toml").string() +
+                            " -o " + (scratch / "s").string());
+  ASSERT_EQ(stand.code, 0) << stand.err;
+  EXPECT_EQ(nlohmann::json::parse(stand.out).at("last_cycle"), 5);
+  ASSERT_EQ(run("grow standard --cycles 6 -o " + (scratch / "t").string()).code, 0);
+  const Outcome on = run("grow standard --cycles 4 --from " + (scratch / "t" / "qsm.csv").string() +
+                         " --from-cycle 6 -o " + (scratch / "u").string());
+  EXPECT_EQ(on.code, 0);
+  EXPECT_THAT(on.err, HasSubstr("nothing was added"));
+}
+
+TEST(Program, a_scan_that_sees_nothing_has_no_answer) {
+  const test::ScratchFolder scratch;
+  const Outcome blind = run("scan " + sample("young_tree_truth.csv") + " --max-range 1m --ground 0 -o " +
+                            (scratch / "c.las").string());
+  EXPECT_EQ(blind.code, 4);
+  EXPECT_FALSE(fs::exists(scratch / "c.las"));
+}
+
 TEST(Determinism, the_main_job_gives_the_same_bytes_for_any_number_of_threads) {
   const test::ScratchFolder scratch;
   const auto main_job = [&](const std::string& folder, const std::string& extra) {
