@@ -80,11 +80,11 @@ TEST(WrittenLeaves, OfEverySpeciesMeetNothing) {
 
 TEST(WrittenLeaves, OfADenseCrownMeetNothing) {
   LeafOptions options;
-  options.area_m2 = 60;
+  options.area_m2 = 25;
   const LeafResult result = insert_leaves(bush(), options);
   const leafcheck::Verdict verdict = check_written(bush(), result.foliage);
   expect_clean(verdict, "dense");
-  EXPECT_GT(verdict.leaf_boxes, 50000U);
+  EXPECT_GT(verdict.leaf_boxes, 40000U);
   expect_clean(check_with_petioles(bush(), result.foliage), "dense, with petioles");
 }
 
@@ -116,7 +116,9 @@ TEST(WrittenLeaves, InMapCoordinatesMeetNothing) {
 
 TEST(WrittenLeaves, OnAddedShootsMeetNothing) {
   const Tree tree = test::coarse_fork();
-  const LeafResult result = insert_leaves(tree);
+  LeafOptions options;
+  options.area_m2 = 6;
+  const LeafResult result = insert_leaves(tree, options);
   ASSERT_FALSE(result.foliage.twigs.empty());
   expect_clean(check_written(tree, result.foliage), "coarse");
   expect_clean(check_with_petioles(tree, result.foliage), "coarse, with shoots");
