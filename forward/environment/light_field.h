@@ -49,23 +49,50 @@ class LightField {
   void cast(std::span<const Voxel> nodes, const ShadeProfile& profile, int sign = 1);
   /// Adds shade to one voxel alone.
   void darken(const Voxel& voxel, Fixed amount);
-  /// Shade at each voxel, at any place; voxels outside everything cast have 0.
-  void read(std::span<const Voxel> at, std::span<Fixed> shade) const;
-
-  double memory_gib() const;
+  /// Shade at each voxel, at any place; voxels outside everything cast have 0. Shadows cast since the last
+  /// reading are drawn now, so that each layer passes through the processor's cache once for both.
+  void read(std::span<const Voxel> at, std::span<Fixed> shade);
 
  private:
-  struct Layer {
-    std::int32_t x0 = 0, y0 = 0, nx = 0, ny = 0;  // of the array
-    std::int32_t used_x0 = 0, used_y0 = 0;        // nothing but 0 before these
-    std::vector<Fixed> difference;                // row after row along x
-  };
   struct Rect {
-    std::int32_t x0, y0, x1, y1;  // inclusive, empty while x0 > x1
+    std::int32_t x0 = kNone, y0 = kNone, x1 = -kNone, y1 = -kNone;  // inclusive
+    bool empty() const { return x0 > x1; }
+    bool holds(const Rect& r) const { return r.x0 >= x0 && r.y0 >= y0 && r.x1 <= x1 && r.y1 <= y1; }
+    void add(const Rect& r);
+    std::int64_t width() const { return std::int64_t{x1} - x0 + 1; }
+    std::int64_t height() const { return std::int64_t{y1} - y0 + 1; }
+    std::int64_t cells() const { return empty() ? 0 : width() * height(); }
+    bool operator==(const Rect&) const = default;
+
+    static constexpr std::int32_t kNone = 1 << 29;
   };
+  struct Layer {
+    Rect reach;                     // everything cast, with the corners that close the squares
+    Rect extent;                    // of the array as it must be to hold that, with room to grow
+    Rect held;                      // of the array as it is
+    std::vector<Fixed> difference;  // row after row along x
+  };
+  struct Shadows {  // cast, not yet drawn
+    ShadeProfile profile;
+    int sign;
+    std::int32_t lowest;               // layer of the lowest node
+    std::vector<std::uint32_t> first;  // nodes of each layer from there on
+    std::vector<Voxel> nodes;          // by layer
+    std::int32_t highest() const { return lowest + static_cast<std::int32_t>(first.size()) - 2; }
+    int reach() const { return profile.layers() - 1; }  // layers down
+  };
+  struct Queries;
+
   void cover(std::size_t layer, const Rect& rect);
+  void check_memory() const;
+  static void make_room(Layer& layer);
+  static void draw(const Shadows& shadows, std::int32_t z, Layer& layer);
+  void read_layer(const Layer& layer, std::size_t z, const Queries& queries, std::span<const Voxel> at,
+                  std::span<Fixed> shade);
 
   std::vector<Layer> layers_;
+  std::vector<Shadows> pending_;
+  std::vector<Fixed> column_, sum_;  // of the rows so far; and along x
   double max_gib_;
 };
 
