@@ -12,25 +12,25 @@
 namespace dendrofit {
 namespace {
 
-// Layers that must grow get this many voxels more on each side, or this part of their size.
-constexpr std::int64_t kLeastRoom = 8, kRoomShare = 6;
+constexpr int kBrickBits = 5;
+constexpr std::int32_t kBrick = 1 << kBrickBits;  // voxels a side
+constexpr std::size_t kBrickCells = std::size_t{kBrick} * kBrick;
 
 int half_width(int q) {
   return std::min(q, kPyramidLayers);
 }
 
-// sum += rows of n, one below the other.
+// column += the rows of bricks that lie side by side; a missing brick is 0.
 DENDROFIT_VECTORISED
-void add_rows(std::size_t n, std::size_t rows, std::size_t stride, const Fixed* __restrict row,
-              Fixed* __restrict sum) {
-  for (; rows >= 4; rows -= 4, row += 4 * stride) {
-    const Fixed* const second = row + stride;
-    const Fixed* const third = second + stride;
-    const Fixed* const fourth = third + stride;
-    for (std::size_t x = 0; x < n; ++x) sum[x] += (row[x] + second[x]) + (third[x] + fourth[x]);
+void add_rows(std::size_t count, Fixed* const* bricks, std::int32_t first_row, std::int32_t last_row,
+              Fixed* __restrict column) {
+  for (std::size_t b = 0; b < count; ++b, column += kBrick) {
+    if (!bricks[b]) continue;
+    for (std::int32_t y = first_row; y <= last_row; ++y) {
+      const Fixed* __restrict row = bricks[b] + y * kBrick;
+      for (std::int32_t x = 0; x < kBrick; ++x) column[x] += row[x];
+    }
   }
-  for (; rows > 0; --rows, row += stride)
-    for (std::size_t x = 0; x < n; ++x) sum[x] += row[x];
 }
 
 }  // namespace
@@ -50,51 +50,42 @@ void LightField::Rect::add(const Rect& r) {
 }
 
 void LightField::check_memory() const {
-  double cells = 0;
-  const Layer* widest = nullptr;
+  double bytes = static_cast<double>(arena_.taken_bytes());
+  std::int64_t nx = 0, ny = 0;
   for (const Layer& layer : layers_) {
-    cells += static_cast<double>(layer.extent.cells());
-    if (!widest || layer.extent.cells() > widest->extent.cells()) widest = &layer;
+    bytes += static_cast<double>(layer.reach.width()) * static_cast<double>(layer.reach.height()) *
+             (sizeof(Fixed*) / static_cast<double>(kBrickCells));
+    nx = std::max(nx, layer.reach.width());
+    ny = std::max(ny, layer.reach.height());
   }
-  if (cells * sizeof(Fixed) / (1 << 30) <= max_gib_) return;
+  if (bytes <= max_gib_ * (1 << 30)) return;
   std::ostringstream message;
-  message << "light field: " << widest->extent.width() << " x " << widest->extent.height()
-          << " voxels in a layer, " << layers_.size() << " layers, take more than " << max_gib_
+  message << "light field: " << layers_.size() << " layers of up to " << nx << " x " << ny
+          << " voxels take more than " << max_gib_
           << " GiB; grow trees that stand far apart in separate runs, or use longer internodes";
   throw InputError(message.str());
 }
 
-void LightField::cover(std::size_t index, const Rect& rect) {
-  Layer& layer = layers_[index];
-  // One cell more on the far side, for the corners that close a square.
-  layer.reach.add({rect.x0, rect.y0, rect.x1 + 1, rect.y1 + 1});
-  if (layer.extent.holds(layer.reach)) return;
-  // Crowns widen in every cycle: room for the next ones.
-  const std::int32_t room =
-      layer.extent.empty() ? 0
-                           : static_cast<std::int32_t>(std::max<std::int64_t>(
-                                 kLeastRoom, (layer.extent.width() + layer.extent.height()) / kRoomShare));
-  const Rect before = layer.extent;
-  layer.extent.add(layer.reach);
-  if (before.empty()) return;
-  if (layer.extent.x0 < before.x0) layer.extent.x0 -= room;
-  if (layer.extent.y0 < before.y0) layer.extent.y0 -= room;
-  if (layer.extent.x1 > before.x1) layer.extent.x1 += room;
-  if (layer.extent.y1 > before.y1) layer.extent.y1 += room;
+Fixed* LightField::new_brick() {
+  auto* const brick = static_cast<Fixed*>(arena_.take(kBrickCells * sizeof(Fixed)));
+  if (arena_.taken_bytes() % (std::size_t{1} << 24) == 0) check_memory();
+  return brick;
 }
 
 void LightField::make_room(Layer& layer) {
-  if (layer.held == layer.extent) return;
-  std::vector<Fixed> grown(static_cast<std::size_t>(layer.extent.cells()), 0);
-  if (!layer.held.empty())
-    for (std::int32_t y = layer.held.y0; y <= layer.held.y1; ++y) {
-      const auto from = layer.difference.begin() + (y - layer.held.y0) * layer.held.width();
-      std::copy(
-          from, from + layer.held.width(),
-          grown.begin() + ((y - layer.extent.y0) * layer.extent.width() + (layer.held.x0 - layer.extent.x0)));
-    }
-  layer.difference = std::move(grown);
-  layer.held = layer.extent;
+  if (layer.reach.empty()) return;
+  const Rect wanted{layer.reach.x0 >> kBrickBits, layer.reach.y0 >> kBrickBits, layer.reach.x1 >> kBrickBits,
+                    layer.reach.y1 >> kBrickBits};
+  if (layer.table.holds(wanted)) return;
+  std::vector<Fixed*> bricks(static_cast<std::size_t>(wanted.width() * wanted.height()), nullptr);
+  for (std::int64_t y = 0; y < layer.table.height(); ++y) {
+    const auto from = layer.bricks.begin() + y * layer.table.width();
+    std::copy(
+        from, from + layer.table.width(),
+        bricks.begin() + ((layer.table.y0 + y - wanted.y0) * wanted.width() + layer.table.x0 - wanted.x0));
+  }
+  layer.bricks = std::move(bricks);
+  layer.table = wanted;
 }
 
 void LightField::cast(std::span<const Voxel> nodes, const ShadeProfile& profile, int sign) {
@@ -132,30 +123,52 @@ void LightField::cast(std::span<const Voxel> nodes, const ShadeProfile& profile,
       const int half = half_width(q);
       if (!rect.empty()) need.add({rect.x0 - half, rect.y0 - half, rect.x1 + half, rect.y1 + half});
     }
-    if (!need.empty()) cover(static_cast<std::size_t>(z), need);
+    // One voxel more on the far side, for the corners that close a square.
+    if (!need.empty())
+      layers_[static_cast<std::size_t>(z)].reach.add({need.x0, need.y0, need.x1 + 1, need.y1 + 1});
   }
   check_memory();
   pending_.push_back(std::move(shadows));
 }
 
-// l = l_0 - b^-q (Yi 2018, 4.5), as the four corners of each node's square in one layer.
+// A layer to write on.
+struct LightField::Canvas {
+  LightField& field;
+  Fixed** const bricks;
+  const std::int64_t width;
+  const std::int32_t x0, y0;  // bricks
+
+  Canvas(LightField& owner, Layer& layer)
+      : field(owner),
+        bricks(layer.bricks.data()),
+        width(layer.table.width()),
+        x0(layer.table.x0),
+        y0(layer.table.y0) {}
+
+  // Every voxel from x to before `end` in rows from y on: two of a square's four corners.
+  void add(std::int32_t y, std::int32_t x, std::int32_t end, Fixed amount) const {
+    const std::int64_t row = ((y >> kBrickBits) - y0) * width - x0;
+    const std::int32_t line = (y & (kBrick - 1)) << kBrickBits;
+    Fixed*& first = bricks[row + (x >> kBrickBits)];
+    if (!first) first = field.new_brick();
+    first[line | (x & (kBrick - 1))] += amount;
+    Fixed*& second = bricks[row + (end >> kBrickBits)];
+    if (!second) second = field.new_brick();
+    second[line | (end & (kBrick - 1))] -= amount;
+  }
+};
+
+// l = l_0 - b^-q (Yi 2018, 4.5) in one layer.
 void LightField::draw(const Shadows& shadows, std::int32_t z, Layer& layer) {
-  const std::int64_t stride = layer.held.width();
-  const std::int32_t x0 = layer.held.x0, y0 = layer.held.y0;
-  Fixed* const data = layer.difference.data();
+  const Canvas canvas(*this, layer);
   for (int q = std::max(0, shadows.lowest - z); q <= shadows.reach() && z + q <= shadows.highest(); ++q) {
     const auto above = static_cast<std::size_t>(z + q - shadows.lowest);
-    const int half = half_width(q), width = 2 * half + 1;
-    const std::int64_t down = width * stride;
+    const int half = half_width(q);
     const Fixed amount = shadows.sign * shadows.profile[q];
     for (std::uint32_t i = shadows.first[above]; i < shadows.first[above + 1]; ++i) {
       const Voxel& node = shadows.nodes[i];
-      Fixed* low = data + ((node.y - half - y0) * stride + (node.x - half - x0));
-      Fixed* high = low + down;
-      low[0] += amount;
-      low[width] -= amount;
-      high[0] -= amount;
-      high[width] += amount;
+      canvas.add(node.y - half, node.x - half, node.x + half + 1, amount);
+      canvas.add(node.y + half + 1, node.x - half, node.x + half + 1, -amount);
     }
   }
 }
@@ -164,16 +177,13 @@ void LightField::darken(const Voxel& voxel, Fixed amount) {
   if (voxel.z < 0) return;
   const auto z = static_cast<std::size_t>(voxel.z);
   if (layers_.size() <= z) layers_.resize(z + 1);
-  cover(z, {voxel.x, voxel.y, voxel.x, voxel.y});
-  check_memory();
   Layer& layer = layers_[z];
+  layer.reach.add({voxel.x, voxel.y, voxel.x + 1, voxel.y + 1});
+  check_memory();
   make_room(layer);
-  const std::int64_t stride = layer.held.width();
-  Fixed* low = layer.difference.data() + (voxel.y - layer.held.y0) * stride + (voxel.x - layer.held.x0);
-  low[0] += amount;
-  low[1] -= amount;
-  low[stride] -= amount;
-  low[stride + 1] += amount;
+  const Canvas canvas(*this, layer);
+  canvas.add(voxel.y, voxel.x, voxel.x + 1, amount);
+  canvas.add(voxel.y + 1, voxel.x, voxel.x + 1, -amount);
 }
 
 // Which voxels are asked for, by layer and row.
@@ -233,26 +243,29 @@ void LightField::read_layer(const Layer& layer, std::size_t z, const Queries& qu
   const Rect& reach = layer.reach;
   const std::int32_t last_x = std::min(rows.x1, reach.x1), last_y = std::min(rows.y1, reach.y1);
   if (reach.empty() || last_x < reach.x0) return;
-  const auto nx = static_cast<std::size_t>(last_x - reach.x0) + 1;
-  const auto stride = static_cast<std::size_t>(layer.held.width());
-  column_.assign(nx, 0);
-  sum_.resize(nx);
-  const Fixed* row = layer.difference.data() + static_cast<std::size_t>(reach.y0 - layer.held.y0) * stride +
-                     static_cast<std::size_t>(reach.x0 - layer.held.x0);
-  std::int32_t done = reach.y0;  // rows before this one are in the column
+  const std::int32_t x0 = layer.table.x0 << kBrickBits;  // of the column
+  const auto across = static_cast<std::size_t>((last_x >> kBrickBits) - layer.table.x0) + 1;
+  column_.assign(across * kBrick, 0);
+  sum_.resize(across * kBrick);
+  std::int32_t next = reach.y0;  // row not yet in the column
   for (std::int32_t y = std::max(rows.y0, reach.y0); y <= last_y; ++y) {
     const std::size_t r = rows.first + static_cast<std::size_t>(y - rows.y0);
-    if (queries.start[r] == queries.start[r + 1]) continue;
-    const auto count = static_cast<std::size_t>(y + 1 - done);
-    add_rows(nx, count, stride, row, column_.data());
-    row += count * stride;
-    done = y + 1;
-    std::partial_sum(column_.begin(), column_.end(), sum_.begin());
-    for (std::uint32_t j = queries.start[r]; j < queries.start[r + 1]; ++j) {
-      const std::int32_t x = at[queries.query[j]].x;
-      if (x >= reach.x0 && x <= last_x)
-        shade[queries.query[j]] = sum_[static_cast<std::size_t>(x - reach.x0)];
+    const std::span asked(queries.query.data() + queries.start[r],
+                          queries.query.data() + queries.start[r + 1]);
+    if (asked.empty()) continue;
+    while (next <= y) {
+      const std::int32_t brick = next >> kBrickBits;
+      const std::int32_t last = std::min(y, (brick << kBrickBits) + kBrick - 1);
+      add_rows(across, layer.bricks.data() + (brick - layer.table.y0) * layer.table.width(),
+               next & (kBrick - 1), last & (kBrick - 1), column_.data());
+      next = last + 1;
     }
+    std::int32_t furthest = x0 - 1;
+    for (const std::uint32_t i : asked)
+      if (at[i].x <= last_x) furthest = std::max(furthest, at[i].x);
+    std::partial_sum(column_.begin(), column_.begin() + (furthest + 1 - x0), sum_.begin());
+    for (const std::uint32_t i : asked)
+      if (at[i].x >= x0 && at[i].x <= last_x) shade[i] = sum_[static_cast<std::size_t>(at[i].x - x0)];
   }
 }
 

@@ -21,7 +21,7 @@ constexpr std::int32_t kTakenVoxel = 1 << 28;
 constexpr double kRounding = 0.05;  // voxels; of positions in single precision
 // Inner loops go by whole blocks, past the end of a run where need be.
 constexpr std::uint32_t kBlock = 16;
-constexpr std::uint32_t kWord = 8;  // bytes looked at in one step
+constexpr std::uint32_t kPair = 2;  // flags looked at in one step
 
 std::uint32_t whole_blocks(std::uint32_t n) {
   return (n + kBlock - 1) & ~(kBlock - 1);
@@ -56,7 +56,7 @@ struct View {
 // keep[i]: whether a marker of the run is to be taken or pulls.
 DENDROFIT_VECTORISED
 void select_run(std::uint32_t n, const float* __restrict x, const float* __restrict y,
-                const float* __restrict z, const View& v, std::uint8_t* __restrict keep) {
+                const float* __restrict z, const View& v, std::int32_t* __restrict keep) {
   const std::uint32_t end = whole_blocks(n);
   for (std::uint32_t i = 0; i < end; ++i) {
     const float dx = x[i] - v.x, dy = y[i] - v.y, dz = z[i] - v.z;
@@ -64,7 +64,7 @@ void select_run(std::uint32_t n, const float* __restrict x, const float* __restr
     const float along = dx * v.hx + dy * v.hy + dz * v.hz;
     const int ahead = static_cast<int>(d2 <= v.far2) & static_cast<int>(along > 0) &
                       static_cast<int>(along * along >= v.cone2 * d2);
-    keep[i] = static_cast<std::uint8_t>(static_cast<int>(d2 <= v.near2) | ahead);
+    keep[i] = static_cast<int>(d2 <= v.near2) | ahead;
   }
 }
 
@@ -174,11 +174,11 @@ bool MarkerField::pull(const Vec3& at, const Vec3& heading, double near_m, doubl
       if (keep_.size() < n + kBlock) keep_.resize(n + kBlock);
       select_run(n, x_.data() + markers.first, y_.data() + markers.first, z_.data() + markers.first, view,
                  keep_.data());
-      for (std::uint32_t word = 0; word < n; word += kWord) {
+      for (std::uint32_t pair = 0; pair < n; pair += kPair) {
         std::uint64_t any = 0;
-        std::memcpy(&any, keep_.data() + word, kWord);
+        std::memcpy(&any, keep_.data() + pair, sizeof any);
         if (any == 0) continue;
-        for (std::uint32_t j = word; j < std::min(word + kWord, n); ++j) {
+        for (std::uint32_t j = pair; j < std::min(pair + kPair, n); ++j) {
           if (!keep_[j]) continue;
           const std::size_t i = markers.first + j;
           const float dx = x_[i] - view.x, dy = y_[i] - view.y, dz = z_[i] - view.z;

@@ -51,7 +51,7 @@ class MarkerField {
   std::vector<float> x_, y_, z_;            // voxels from lo_; far away once taken
   std::vector<std::int32_t> vx_, vy_, vz_;  // far away once taken
   std::vector<Fixed> shade_;
-  std::vector<std::uint8_t> keep_;  // of a run: whether a marker is taken or pulls
+  std::vector<std::int32_t> keep_;  // of a run: whether a marker is taken or pulls
 };
 
 }  // namespace dendrofit::igm
