@@ -62,7 +62,7 @@ struct ReportStage {
 struct ReportProvenance {
   std::string program = "dendrofit";
   std::string version;
-  std::uint64_t seed = 1;
+  std::optional<std::uint64_t> seed;
   std::string command_line;
   std::string input_name;
   std::string input_checksum;  ///< with its kind: "sha256:..."

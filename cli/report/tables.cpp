@@ -193,7 +193,7 @@ std::string provenance_tables(const ReportData& data) {
   row("Command", p.command_line);
   row("Input", p.input_name);
   row("Input checksum", p.input_checksum);
-  row("Seed", std::to_string(p.seed));
+  if (p.seed) row("Seed", std::to_string(*p.seed));
   std::string out = made.html();
   if (!p.options.empty()) {
     HtmlTable options{"table-options", "Options", {"Option", "Value"}, {0, 0}, {}};
