@@ -7,7 +7,6 @@
 #include "cli/tree_files.h"
 #include "core/atomic_file.h"
 #include "core/errors.h"
-#include "core/tree_topology.h"
 #include "forward/igm/grow.h"
 #include "io/metrics_json.h"
 #include "io/read_tree.h"
@@ -58,7 +57,7 @@ class Grow : public Command {
 
     const IgmGrowth growth = grow_igm(parameters, site, resolve_options(session, folder), session.progress());
     const TreeMetrics metrics = measure(growth.tree);
-    const std::vector<TreeMetrics> each = measure_each(growth.tree, site);
+    const std::vector<TreeMetrics> each = measure_each(growth, site);
     write_tree_files(folder, growth.tree, metrics, meshes_, each);
     write_file(folder / "growth.csv", growth_series_csv(growth.series));
     write_file(folder / "params.toml", igm_parameters_toml(parameters, {}));
@@ -132,27 +131,12 @@ class Grow : public Command {
   }
 
   /// Metrics of each tree of a stand in the order of the site; none where one tree stands alone.
-  std::vector<TreeMetrics> measure_each(const Tree& stand, const IgmSite& site) const {
+  static std::vector<TreeMetrics> measure_each(const IgmGrowth& growth, const IgmSite& site) {
     std::vector<TreeMetrics> each;
     if (site.trees.size() < 2) return each;
-    // Stems are roots in the site's order; those of --from take the first tree's place.
-    std::size_t stems = static_cast<std::size_t>(std::count_if(
-        stand.parent.begin(), stand.parent.end(), [](std::int32_t parent) { return parent < 0; }));
-    std::size_t others = 0;
-    for (std::size_t t = 1; t < site.trees.size(); ++t) others += site.trees[t].roots.size();
-    if (stems <= others) return each;
-    std::vector<std::size_t> tree_of_stem(stems - others, 0);
-    for (std::size_t t = 1; t < site.trees.size(); ++t)
-      tree_of_stem.insert(tree_of_stem.end(), site.trees[t].roots.size(), t);
-    std::vector<std::size_t> tree_of(stand.size());
-    std::size_t stem = 0;
-    for (std::size_t i = 0; i < stand.size(); ++i)
-      tree_of[i] =
-          stand.parent[i] < 0 ? tree_of_stem[stem++] : tree_of[static_cast<std::size_t>(stand.parent[i])];
     for (std::size_t t = 0; t < site.trees.size(); ++t) {
-      std::vector<char> keep(stand.size());
-      for (std::size_t i = 0; i < stand.size(); ++i) keep[i] = tree_of[i] == t;
-      each.push_back(measure(subset(stand, keep)));
+      const Tree tree = tree_of(growth, static_cast<int>(t));
+      each.push_back(tree.empty() ? TreeMetrics() : measure(tree));
     }
     return each;
   }

@@ -131,7 +131,7 @@ std::string parameter_table(const ReportData& data) {
   if (data.parameters.empty()) return "";
   HtmlTable fitted{"table-parameters",
                    data.growth_model,
-                   {"Parameter", "Meaning", "Value", "95 % interval", "Bounds", "Note"},
+                   {"Parameter", "Meaning", "Value", "90 % interval", "Bounds", "Note"},
                    {0, 0, 1, 1, 1, 0},
                    {}};
   HtmlTable given{"table-given", "Given, not fitted", {"Parameter", "Meaning", "Value"}, {0, 0, 1}, {}};

@@ -148,7 +148,7 @@ TEST(WrittenLeaves, OnRealTreesMeetNothing) {
       EXPECT_EQ(result.foliage.size(), 5000U);
       for (const LeafDistribution& d : result.report.distributions)
         EXPECT_GT(d.before.p_value, 0.05) << d.name;
-      const leafcheck::Verdict verdict = check_written(tree, result.foliage);
+      const leafcheck::Verdict verdict = check_written(tree, result.foliage, true);
       expect_clean(verdict, std::string(file) + " seed " + std::to_string(seed));
       EXPECT_EQ(verdict.leaves, 5000U);
     }
