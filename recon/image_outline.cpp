@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "recon/image_outline.h"
+
+#include "core/errors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+namespace dendrofit {
+namespace {
+
+constexpr double kStep = 16;  // steps a pixel
+
+cv::Mat distance_to_zero(const cv::Mat& picture) {
+  cv::Mat distance;
+  cv::distanceTransform(picture, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE, CV_32F);
+  return distance;
+}
+
+}  // namespace
+
+Outline::Outline(const std::vector<std::uint8_t>& mask, int width, int height) : width_(width), height_(height) {
+  require(width > 0, "width", width, "must be positive");
+  require(height > 0, "height", height, "must be positive");
+  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  require(mask.size() == pixels, "mask", static_cast<double>(mask.size()), "must hold one byte a pixel");
+  cv::Mat wood(height, width, CV_8U), rest(height, width, CV_8U);
+  Eigen::Vector2d sum(0, 0);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const bool in = mask[index(x, y)] != 0;
+      wood.at<std::uint8_t>(y, x) = in ? 255 : 0;
+      rest.at<std::uint8_t>(y, x) = in ? 0 : 255;
+      if (!in) continue;
+      ++area_px_;
+      sum += Eigen::Vector2d(x + 0.5, y + 0.5);
+      touches_top_ = touches_top_ || y == 0;
+      touches_bottom_ = touches_bottom_ || y == height - 1;
+      touches_sides_ = touches_sides_ || x == 0 || x == width - 1;
+    }
+  distance_.assign(pixels, static_cast<std::int16_t>(area_px_ > 0 ? -32767 : 32767));
+  if (area_px_ == 0 || area_px_ == pixels) return;
+  middle_ = sum / static_cast<double>(area_px_);
+  const cv::Mat within = distance_to_zero(wood), without = distance_to_zero(rest);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const bool in = wood.at<std::uint8_t>(y, x) != 0;
+      const double d = in ? 0.5 - static_cast<double>(within.at<float>(y, x))
+                          : static_cast<double>(without.at<float>(y, x)) - 0.5;
+      distance_[index(x, y)] = static_cast<std::int16_t>(std::clamp(std::round(d * kStep), -32767.0, 32767.0));
+      if (in) reach_px_ = std::max(reach_px_, (Eigen::Vector2d(x + 0.5, y + 0.5) - middle_).norm());
+    }
+}
+
+double Outline::at(const Eigen::Vector2d& pixel) const {
+  const double u = std::clamp(pixel.x() - 0.5, 0.0, static_cast<double>(width_ - 1));
+  const double v = std::clamp(pixel.y() - 0.5, 0.0, static_cast<double>(height_ - 1));
+  const int x = std::min(static_cast<int>(u), std::max(0, width_ - 2));
+  const int y = std::min(static_cast<int>(v), std::max(0, height_ - 2));
+  const int right = std::min(x + 1, width_ - 1), below = std::min(y + 1, height_ - 1);
+  const double fu = u - x, fv = v - y;
+  const double upper = (1 - fu) * distance_[index(x, y)] + fu * distance_[index(right, y)];
+  const double lower = (1 - fu) * distance_[index(x, below)] + fu * distance_[index(right, below)];
+  return ((1 - fv) * upper + fv * lower) / kStep;
+}
+
+}  // namespace dendrofit
