@@ -2,22 +2,15 @@
 #include "recon/image_outline.h"
 
 #include "core/errors.h"
+#include "recon/image_distance.h"
 
 #include <algorithm>
 #include <cmath>
-
-#include <opencv2/imgproc.hpp>
 
 namespace dendrofit {
 namespace {
 
 constexpr double kStep = 16;  // steps a pixel
-
-cv::Mat distance_to_zero(const cv::Mat& picture) {
-  cv::Mat distance;
-  cv::distanceTransform(picture, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE, CV_32F);
-  return distance;
-}
 
 }  // namespace
 
@@ -26,14 +19,10 @@ Outline::Outline(const std::vector<std::uint8_t>& mask, int width, int height) :
   require(height > 0, "height", height, "must be positive");
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   require(mask.size() == pixels, "mask", static_cast<double>(mask.size()), "must hold one byte a pixel");
-  cv::Mat wood(height, width, CV_8U), rest(height, width, CV_8U);
   Eigen::Vector2d sum(0, 0);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const bool in = mask[index(x, y)] != 0;
-      wood.at<std::uint8_t>(y, x) = in ? 255 : 0;
-      rest.at<std::uint8_t>(y, x) = in ? 0 : 255;
-      if (!in) continue;
+      if (mask[index(x, y)] == 0) continue;
       ++area_px_;
       sum += Eigen::Vector2d(x + 0.5, y + 0.5);
       touches_top_ = touches_top_ || y == 0;
@@ -43,14 +32,14 @@ Outline::Outline(const std::vector<std::uint8_t>& mask, int width, int height) :
   distance_.assign(pixels, static_cast<std::int16_t>(area_px_ > 0 ? -32767 : 32767));
   if (area_px_ == 0 || area_px_ == pixels) return;
   middle_ = sum / static_cast<double>(area_px_);
-  const cv::Mat within = distance_to_zero(wood), without = distance_to_zero(rest);
+  const std::vector<float> within = distance_inside(mask, width, height);
+  const std::vector<float> without = distance_outside(mask, width, height);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const bool in = wood.at<std::uint8_t>(y, x) != 0;
-      const double d = in ? 0.5 - static_cast<double>(within.at<float>(y, x))
-                          : static_cast<double>(without.at<float>(y, x)) - 0.5;
-      distance_[index(x, y)] = static_cast<std::int16_t>(std::clamp(std::round(d * kStep), -32767.0, 32767.0));
-      if (in) reach_px_ = std::max(reach_px_, (Eigen::Vector2d(x + 0.5, y + 0.5) - middle_).norm());
+      const std::size_t i = index(x, y);
+      const double d = mask[i] != 0 ? 0.5 - static_cast<double>(within[i]) : static_cast<double>(without[i]) - 0.5;
+      distance_[i] = static_cast<std::int16_t>(std::clamp(std::round(d * kStep), -32767.0, 32767.0));
+      if (mask[i] != 0) reach_px_ = std::max(reach_px_, (Eigen::Vector2d(x + 0.5, y + 0.5) - middle_).norm());
     }
 }
 
