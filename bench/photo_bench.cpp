@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Photographs a tree that exists as cylinders from a ring of cameras, reconstructs it from them and says how near
-// it comes; or writes the photographs for the command line.
+// Photographs a tree that exists as cylinders from a ring of cameras, reconstructs it from them and says how
+// near it comes; or writes the photographs for the command line.
 //
 // usage: photo_bench [--tree QSM.csv | --preset NAME --seed N] [--views N,N,...] [--size WxH] [--focal PX]
 //                    [--photos] [--turn-error DEG] [--shift-error M] [--k1 K] [--out DIR] [--threads N]
-#include "bench/photo_score.h"
+#include "cli/report/image.h"
 #include "core/atomic_file.h"
 #include "forward/igm/grow.h"
 #include "io/read_tree.h"
 #include "io/write_tree.h"
 #include "recon/reconstruct_views.h"
-#include "cli/report/image.h"
 #include "tests/support/photo_render.h"
 
 #include <chrono>
@@ -20,6 +19,7 @@
 #include <filesystem>
 #include <string>
 
+#include "bench/photo_score.h"
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
@@ -37,14 +37,22 @@ double cpu_seconds() {
 
 void write_views(const fs::path& folder, const ViewSet& set) {
   fs::create_directories(folder);
-  nlohmann::ordered_json json = {{"format", "dendrofit-cameras"}, {"version", 1}, {"units", "m"}, {"up", {0, 0, 1}}};
+  nlohmann::ordered_json json = {
+      {"format", "dendrofit-cameras"}, {"version", 1}, {"units", "m"}, {"up", {0, 0, 1}}};
   json["origin"] = {set.origin_shift.x(), set.origin_shift.y(), set.origin_shift.z()};
   json["pixel_origin"] = "corner";
   const Camera& first = set.views.front().camera;
   json["cameras"] = nlohmann::ordered_json::array();
-  json["cameras"].push_back({{"id", 0}, {"model", "radial2"}, {"width", first.width}, {"height", first.height},
-                             {"fx", first.fx}, {"fy", first.fy}, {"cx", first.cx}, {"cy", first.cy},
-                             {"k1", first.k1}, {"k2", first.k2}});
+  json["cameras"].push_back({{"id", 0},
+                             {"model", "radial2"},
+                             {"width", first.width},
+                             {"height", first.height},
+                             {"fx", first.fx},
+                             {"fy", first.fy},
+                             {"cx", first.cx},
+                             {"cy", first.cy},
+                             {"k1", first.k1},
+                             {"k2", first.k2}});
   json["images"] = nlohmann::ordered_json::array();
   for (const View& view : set.views) {
     nlohmann::ordered_json pose = nlohmann::ordered_json::array();
@@ -75,20 +83,34 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string key = argv[i];
     const auto value = [&] { return i + 1 < argc ? argv[++i] : ""; };
-    if (key == "--tree") tree_file = value();
-    else if (key == "--preset") preset = value();
-    else if (key == "--seed") seed = std::strtoull(value(), nullptr, 10);
-    else if (key == "--cycles") cycles = std::atoi(value());
-    else if (key == "--views") counts = value();
-    else if (key == "--size") std::sscanf(value(), "%dx%d", &ring.width, &ring.height);
-    else if (key == "--focal") ring.focal_px = std::atof(value());
-    else if (key == "--k1") ring.k1 = std::atof(value());
-    else if (key == "--photos") ring.render.photograph = true;
-    else if (key == "--turn-error") ring.turn_error_deg = std::atof(value());
-    else if (key == "--shift-error") ring.shift_error_m = std::atof(value());
-    else if (key == "--out") out = value();
-    else if (key == "--threads") ring.render.threads = options.cloud.threads = std::atoi(value());
-    else return std::fprintf(stderr, "unknown option %s\n", key.c_str()), 2;
+    if (key == "--tree")
+      tree_file = value();
+    else if (key == "--preset")
+      preset = value();
+    else if (key == "--seed")
+      seed = std::strtoull(value(), nullptr, 10);
+    else if (key == "--cycles")
+      cycles = std::atoi(value());
+    else if (key == "--views")
+      counts = value();
+    else if (key == "--size")
+      std::sscanf(value(), "%dx%d", &ring.width, &ring.height);
+    else if (key == "--focal")
+      ring.focal_px = std::atof(value());
+    else if (key == "--k1")
+      ring.k1 = std::atof(value());
+    else if (key == "--photos")
+      ring.render.photograph = true;
+    else if (key == "--turn-error")
+      ring.turn_error_deg = std::atof(value());
+    else if (key == "--shift-error")
+      ring.shift_error_m = std::atof(value());
+    else if (key == "--out")
+      out = value();
+    else if (key == "--threads")
+      ring.render.threads = options.cloud.threads = std::atoi(value());
+    else
+      return std::fprintf(stderr, "unknown option %s\n", key.c_str()), 2;
   }
   Tree truth;
   if (tree_file.empty()) {
@@ -100,8 +122,8 @@ int main(int argc, char** argv) {
   }
   ring.render.seed = seed;
   std::printf("%zu cylinders, %.2f m tall\n", truth.size(), measure(truth).height_m);
-  std::printf("%5s %6s %6s %6s %8s %7s %8s %7s %6s %6s %6s %7s %6s\n", "views", "prec", "recall", "F", "parents", "height%",
-              "dbh mm", "r bias", "IoU", "p 1px", "r 1px", "CPU s", "MB");
+  std::printf("%5s %6s %6s %6s %8s %7s %8s %7s %6s %6s %6s %7s %6s\n", "views", "prec", "recall", "F",
+              "parents", "height%", "dbh mm", "r bias", "IoU", "p 1px", "r 1px", "CPU s", "MB");
   for (char* word = std::strtok(counts.data(), ","); word; word = std::strtok(nullptr, ",")) {
     ring.views = std::atoi(word);
     const ViewSet set = test::photograph_ring(truth, ring);
@@ -116,10 +138,10 @@ int main(int argc, char** argv) {
     const bench::PhotoScore s = bench::score_tree(result.model.tree, truth, set);
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
-    std::printf("%5d %6.3f %6.3f %6.3f %5.3f/%-3d %6.2f %4.1f/%-4.0f %6.3f %6.3f %6.3f %6.3f %7.1f %6ld\n", ring.views,
-                s.precision, s.recall, s.f, s.parents, s.parents_tested, 100 * s.height_error,
-                1000 * s.dbh_error_m.value_or(-9), 1000 * s.true_dbh_m, s.radius_bias, s.iou, s.near_precision,
-                s.near_recall, seconds, usage.ru_maxrss / 1024);
+    std::printf("%5d %6.3f %6.3f %6.3f %5.3f/%-3d %6.2f %4.1f/%-4.0f %6.3f %6.3f %6.3f %6.3f %7.1f %6ld\n",
+                ring.views, s.precision, s.recall, s.f, s.parents, s.parents_tested, 100 * s.height_error,
+                1000 * s.dbh_error_m.value_or(-9), 1000 * s.true_dbh_m, s.radius_bias, s.iou,
+                s.near_precision, s.near_recall, seconds, usage.ru_maxrss / 1024);
     std::fflush(stdout);
   }
   return 0;

@@ -26,7 +26,8 @@ Samples sample_axes(const Tree& tree, const Vec3& shift, double least) {
     if (tree.radius[i] < least) continue;
     const int n = std::max(1, static_cast<int>(std::ceil(tree.length(i) / 0.01)));
     for (int k = 0; k < n; ++k) {
-      s.at.push_back(tree.start[i] + (tree.end[i] - tree.start[i]) * ((k + 0.5) / n) + tree.origin_shift - shift);
+      s.at.push_back(tree.start[i] + (tree.end[i] - tree.start[i]) * ((k + 0.5) / n) + tree.origin_shift -
+                     shift);
       s.node.push_back(i);
       s.weight.push_back(tree.length(i) / n);
     }
@@ -38,7 +39,10 @@ Samples sample_axes(const Tree& tree, const Vec3& shift, double least) {
 class AxisIndex {
  public:
   AxisIndex(const Tree& tree, const Vec3& shift)
-      : tree_(tree), offset_(tree.origin_shift - shift), samples_(sample_axes(tree, shift, 0)), index_(samples_.at) {}
+      : tree_(tree),
+        offset_(tree.origin_shift - shift),
+        samples_(sample_axes(tree, shift, 0)),
+        index_(samples_.at) {}
   std::pair<double, std::uint32_t> nearest(const Vec3& p) const {
     std::vector<Neighbor> found;
     index_.nearest(p, 8, found);
@@ -81,14 +85,16 @@ void score_parents(const Tree& model, const Tree& truth, const AxisIndex& true_a
   for (std::size_t i = 0; i < model.size(); ++i) {
     if (label[i] < 0) continue;
     std::int32_t up = model.parent[i];
-    while (up >= 0 && (label[static_cast<std::size_t>(up)] == label[i] || label[static_cast<std::size_t>(up)] < 0))
+    while (up >= 0 &&
+           (label[static_cast<std::size_t>(up)] == label[i] || label[static_cast<std::size_t>(up)] < 0))
       up = model.parent[static_cast<std::size_t>(up)];
     ++bearer[static_cast<std::size_t>(label[i])][up < 0 ? -1 : label[static_cast<std::size_t>(up)]];
   }
   int good = 0;
   for (std::size_t a = 0; a < axes.size(); ++a) {
     double thickest = 0;
-    for (const std::int32_t n : axes[a].nodes) thickest = std::max(thickest, truth.radius[static_cast<std::size_t>(n)]);
+    for (const std::int32_t n : axes[a].nodes)
+      thickest = std::max(thickest, truth.radius[static_cast<std::size_t>(n)]);
     if (axes[a].parent_axis < 0 || thickest < 0.01 || covered[a] < 0.5 || bearer[a].empty()) continue;
     ++score.parents_tested;
     const auto most = std::max_element(bearer[a].begin(), bearer[a].end(),
@@ -111,7 +117,9 @@ void score_reprojection(const Tree& model, const ViewSet& views, PhotoScore& sco
     const auto near = [&](const std::vector<std::uint8_t>& mask, int x, int y) {
       for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx)
-          if (x + dx >= 0 && x + dx < w && y + dy >= 0 && y + dy < h && mask[view.photo.pixel(x + dx, y + dy)]) return true;
+          if (x + dx >= 0 && x + dx < w && y + dy >= 0 && y + dy < h &&
+              mask[view.photo.pixel(x + dx, y + dy)])
+            return true;
       return false;
     };
     for (int y = 0; y < h; ++y)

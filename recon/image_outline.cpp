@@ -14,7 +14,8 @@ constexpr double kStep = 16;  // steps a pixel
 
 }  // namespace
 
-Outline::Outline(const std::vector<std::uint8_t>& mask, int width, int height) : width_(width), height_(height) {
+Outline::Outline(const std::vector<std::uint8_t>& mask, int width, int height)
+    : width_(width), height_(height) {
   require(width > 0, "width", width, "must be positive");
   require(height > 0, "height", height, "must be positive");
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -27,7 +28,8 @@ Outline::Outline(const std::vector<std::uint8_t>& mask, int width, int height) :
       sum += Eigen::Vector2d(x + 0.5, y + 0.5);
       touches_top_ = touches_top_ || y == 0;
       touches_bottom_ = touches_bottom_ || y == height - 1;
-      touches_sides_ = touches_sides_ || x == 0 || x == width - 1;
+      touches_left_ = touches_left_ || x == 0;
+      touches_right_ = touches_right_ || x == width - 1;
     }
   distance_.assign(pixels, static_cast<std::int16_t>(area_px_ > 0 ? -32767 : 32767));
   if (area_px_ == 0 || area_px_ == pixels) return;
@@ -37,7 +39,8 @@ Outline::Outline(const std::vector<std::uint8_t>& mask, int width, int height) :
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::size_t i = index(x, y);
-      const double d = mask[i] != 0 ? 0.5 - static_cast<double>(within[i]) : static_cast<double>(without[i]) - 0.5;
+      const double d =
+          mask[i] != 0 ? 0.5 - static_cast<double>(within[i]) : static_cast<double>(without[i]) - 0.5;
       distance_[i] = static_cast<std::int16_t>(std::clamp(std::round(d * kStep), -32767.0, 32767.0));
       if (mask[i] != 0) reach_px_ = std::max(reach_px_, (Eigen::Vector2d(x + 0.5, y + 0.5) - middle_).norm());
     }
@@ -52,7 +55,10 @@ double Outline::at(const Eigen::Vector2d& pixel) const {
   const double fu = u - x, fv = v - y;
   const double upper = (1 - fu) * distance_[index(x, y)] + fu * distance_[index(right, y)];
   const double lower = (1 - fu) * distance_[index(x, below)] + fu * distance_[index(right, below)];
-  return ((1 - fv) * upper + fv * lower) / kStep;
+  const double distance = ((1 - fv) * upper + fv * lower) / kStep;
+  const double beyond = std::hypot(pixel.x() - std::clamp(pixel.x(), 0.0, static_cast<double>(width_)),
+                                   pixel.y() - std::clamp(pixel.y(), 0.0, static_cast<double>(height_)));
+  return beyond > 0 ? std::hypot(beyond, std::max(0.0, distance)) : distance;
 }
 
 }  // namespace dendrofit

@@ -22,8 +22,9 @@ using Colour = Eigen::Vector3f;  // 0..255
 double lattice(const Random& random, std::uint64_t layer, double x, double y) {
   const double fx = std::floor(x), fy = std::floor(y);
   const auto at = [&](double a, double b) {
-    return random.child({layer, static_cast<std::uint64_t>(static_cast<std::int64_t>(a)),
-                         static_cast<std::uint64_t>(static_cast<std::int64_t>(b))})
+    return random
+        .child({layer, static_cast<std::uint64_t>(static_cast<std::int64_t>(a)),
+                static_cast<std::uint64_t>(static_cast<std::int64_t>(b))})
         .uniform();
   };
   const double u = x - fx, v = y - fy;
@@ -44,8 +45,9 @@ Colour background(const Random& random, const Vec3& eye, const Vec3& ray, double
     return static_cast<float>((1 - haze) * tone) * Colour(108, 122, 78) +
            static_cast<float>(haze) * Colour(150, 160, 170);
   }
-  const double crest = (1.6 + 0.9 * lattice(random, 3, bearing * 0.8, 0) + 0.5 * lattice(random, 4, bearing * 5, 0)) *
-                       std::numbers::pi / 180;
+  const double crest =
+      (1.6 + 0.9 * lattice(random, 3, bearing * 0.8, 0) + 0.5 * lattice(random, 4, bearing * 5, 0)) *
+      std::numbers::pi / 180;
   if (rise < crest) {
     const auto tone = static_cast<float>(0.9 + 0.2 * lattice(random, 5, bearing * 6, rise * 300));
     return tone * Colour(88, 100, 96);
@@ -58,15 +60,19 @@ Colour background(const Random& random, const Vec3& eye, const Vec3& ray, double
 std::vector<char> candidates(const Tree& tree, const Camera& camera) {
   std::vector<char> mark(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height), 0);
   for (std::size_t i = 0; i < tree.size(); ++i) {
-    const int steps = std::max(1, static_cast<int>(std::ceil(tree.length(i) / std::max(0.02, tree.radius[i]))));
+    const int steps =
+        std::max(1, static_cast<int>(std::ceil(tree.length(i) / std::max(0.02, tree.radius[i]))));
     for (int k = 0; k <= steps; ++k) {
       const Vec3 p = tree.start[i] + (tree.end[i] - tree.start[i]) * (static_cast<double>(k) / steps);
       const auto at = camera.project(p);
       if (!at) continue;
       const double reach = 1.5 * camera.fx / camera.depth(p) * (1.3 * tree.radius[i] + 0.02) + 3;
-      for (int y = std::max(0, static_cast<int>(at->y() - reach)); y <= std::min(camera.height - 1, static_cast<int>(at->y() + reach)); ++y)
-        for (int x = std::max(0, static_cast<int>(at->x() - reach)); x <= std::min(camera.width - 1, static_cast<int>(at->x() + reach)); ++x)
-          mark[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera.width) + static_cast<std::size_t>(x)] = 1;
+      for (int y = std::max(0, static_cast<int>(at->y() - reach));
+           y <= std::min(camera.height - 1, static_cast<int>(at->y() + reach)); ++y)
+        for (int x = std::max(0, static_cast<int>(at->x() - reach));
+             x <= std::min(camera.width - 1, static_cast<int>(at->x() + reach)); ++x)
+          mark[static_cast<std::size_t>(y) * static_cast<std::size_t>(camera.width) +
+               static_cast<std::size_t>(x)] = 1;
     }
   }
   return mark;
@@ -83,28 +89,33 @@ Colour bark(const Random& random, const Tree& tree, std::size_t i, const Vec3& a
 
 void blur_and_grain(std::vector<Colour>& picture, int width, int height, const RenderOptions& options,
                     const Random& random, std::vector<std::uint8_t>& rgb) {
-  const float side = std::exp(-0.5F / static_cast<float>(std::max(1e-6, options.blur_sigma_px * options.blur_sigma_px)));
+  const float side =
+      std::exp(-0.5F / static_cast<float>(std::max(1e-6, options.blur_sigma_px * options.blur_sigma_px)));
   const float middle = 1 / (1 + 2 * side), wing = side / (1 + 2 * side);
   std::vector<Colour> across(picture.size());
   const auto w = static_cast<std::size_t>(width);
-  parallel_blocks(static_cast<std::size_t>(height), 16, options.threads, [&](std::size_t first, std::size_t last) {
-    for (std::size_t y = first; y < last; ++y)
-      for (std::size_t x = 0; x < w; ++x)
-        across[y * w + x] = middle * picture[y * w + x] + wing * (picture[y * w + (x > 0 ? x - 1 : 0)] +
-                                                                  picture[y * w + std::min(w - 1, x + 1)]);
-  });
-  parallel_blocks(static_cast<std::size_t>(height), 16, options.threads, [&](std::size_t first, std::size_t last) {
-    for (std::size_t y = first; y < last; ++y) {
-      Random grain = random.child({7, y});
-      const std::size_t up = y > 0 ? y - 1 : 0, down = std::min(static_cast<std::size_t>(height) - 1, y + 1);
-      for (std::size_t x = 0; x < w; ++x) {
-        const Colour c = middle * across[y * w + x] + wing * (across[up * w + x] + across[down * w + x]);
-        for (int k = 0; k < 3; ++k)
-          rgb[3 * (y * w + x) + static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(
-              std::clamp(std::lround(c[k] + options.noise_sigma * grain.normal()), 0L, 255L));
-      }
-    }
-  });
+  parallel_blocks(
+      static_cast<std::size_t>(height), 16, options.threads, [&](std::size_t first, std::size_t last) {
+        for (std::size_t y = first; y < last; ++y)
+          for (std::size_t x = 0; x < w; ++x)
+            across[y * w + x] =
+                middle * picture[y * w + x] +
+                wing * (picture[y * w + (x > 0 ? x - 1 : 0)] + picture[y * w + std::min(w - 1, x + 1)]);
+      });
+  parallel_blocks(
+      static_cast<std::size_t>(height), 16, options.threads, [&](std::size_t first, std::size_t last) {
+        for (std::size_t y = first; y < last; ++y) {
+          Random grain = random.child({7, y});
+          const std::size_t up = y > 0 ? y - 1 : 0,
+                            down = std::min(static_cast<std::size_t>(height) - 1, y + 1);
+          for (std::size_t x = 0; x < w; ++x) {
+            const Colour c = middle * across[y * w + x] + wing * (across[up * w + x] + across[down * w + x]);
+            for (int k = 0; k < 3; ++k)
+              rgb[3 * (y * w + x) + static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(
+                  std::clamp(std::lround(c[k] + options.noise_sigma * grain.normal()), 0L, 255L));
+          }
+        }
+      });
 }
 
 }  // namespace
@@ -163,10 +174,12 @@ View render_view(const Tree& tree, const Camera& camera, const RenderOptions& op
         }
         photo.mask[y * w + x] = 2 * covered >= n * n ? 255 : 0;
         if (!options.photograph) continue;
-        const Colour behind = covered == n * n
-                                  ? Colour(Colour::Zero())
-                                  : background(random, eye, camera.ray(corner + Eigen::Vector2d(0.5, 0.5)), ground);
-        picture[y * w + x] = (wood + static_cast<float>(n * n - covered) * behind) / static_cast<float>(n * n);
+        const Colour behind =
+            covered == n * n
+                ? Colour(Colour::Zero())
+                : background(random, eye, camera.ray(corner + Eigen::Vector2d(0.5, 0.5)), ground);
+        picture[y * w + x] =
+            (wood + static_cast<float>(n * n - covered) * behind) / static_cast<float>(n * n);
       }
   });
   if (options.photograph) blur_and_grain(picture, camera.width, camera.height, options, random, photo.rgb);
@@ -190,7 +203,8 @@ ViewSet photograph_ring(const Tree& tree, const RingOptions& options) {
   const Random random = Random(options.render.seed).child({0x72696e67});
   for (int v = 0; v < options.views; ++v) {
     Random draw = random.child({static_cast<std::uint64_t>(v)});
-    const double bearing = 2 * std::numbers::pi * (v + options.wobble * (draw.uniform() - 0.5)) / options.views + 0.4;
+    const double bearing =
+        2 * std::numbers::pi * (v + options.wobble * (draw.uniform() - 0.5)) / options.views + 0.4;
     const double away = distance * (1 + options.wobble * (draw.uniform() - 0.3));
     const double up = options.eye_height_m * (1 + options.wobble * (draw.uniform() - 0.5));
     const Vec3 eye(middle.x() + away * std::cos(bearing), middle.y() + away * std::sin(bearing), ground + up);
