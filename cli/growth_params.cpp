@@ -76,6 +76,7 @@ std::string growth_params_toml(const GrowthReport& report, const GrowthSeries& s
   std::string name = series.name;  // a comment must stay one line
   std::replace_if(
       name.begin(), name.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
+  const double last = growth_equation(fit.equation).value(parameters.equation_values, parameters.cycles);
   return igm_parameters_toml(
       parameters,
       {fmt::format("Growth curve of series '{}', fitted to {} measurements ({} over {}).", name, fit.n,
@@ -83,7 +84,11 @@ std::string growth_params_toml(const GrowthReport& report, const GrowthSeries& s
        fmt::format(
            "Sizes count internodes of {:.6g} m, one cycle is one year. What the curve does not tell is the "
            "model's default.",
-           parameters.rho_m)});
+           parameters.rho_m),
+       fmt::format(
+           "The curve comes to {:.4g} internodes ({:.4g} m) at cycle {}. A grown stem stays below its curve "
+           "where light, space or whole internodes run short: compare its height.",
+           last, last * parameters.rho_m, parameters.cycles)});
 }
 
 }  // namespace dendrofit::cli

@@ -47,16 +47,13 @@ std::string row_name(const MeasurementSeries& series, std::size_t i) {
          plain_number(series.value[i]) + ")";
 }
 
-// Kendall's tau without the ties: 1 where every later size is larger, -1 where every one is smaller.
-double rank_trend(const MeasurementSeries& series) {
-  double up = 0, pairs = 0;
-  for (std::size_t i = 0; i < series.time.size(); ++i)
-    for (std::size_t k = 0; k < i; ++k) {
-      const double rise = (series.time[i] - series.time[k]) * (series.value[i] - series.value[k]);
-      up += rise > 0 ? 1 : rise < 0 ? -1 : 0;
-      pairs += rise != 0;
-    }
-  return pairs > 0 ? up / pairs : 0;
+// Correlation of size with time.
+double trend(const MeasurementSeries& series) {
+  const auto n = static_cast<Eigen::Index>(series.time.size());
+  const Eigen::Map<const Eigen::ArrayXd> t(series.time.data(), n), x(series.value.data(), n);
+  const Eigen::ArrayXd dt = t - t.mean(), dx = x - x.mean();
+  const double spread = std::sqrt(dt.square().sum() * dx.square().sum());
+  return spread > 0 ? (dt * dx).sum() / spread : 0;
 }
 
 std::string counted(std::size_t count, const std::string& what) {
@@ -198,7 +195,7 @@ std::string ill_conditioned(const MeasurementSeries& series, const std::string& 
     return lead + "every size is " + plain_number(*most) +
            ", so there is no growth to fit: check the value column, or add " + options.abscissa +
            "s at which the size was another";
-  if (rank_trend(series) < -0.5)
+  if (trend(series) < -0.5)
     return lead + "the sizes fall with " + options.abscissa +
            ", and growth curves only rise: check the columns and the order of the rows";
   return lead + "the measurements show a step between two " + options.abscissa +
