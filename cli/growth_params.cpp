@@ -19,8 +19,8 @@ constexpr double kLongest = 1000;  // cycles: the growth model's limit
 
 double internodes_per_value(const GrowthReport& report, double internode_m) {
   const auto unit = measurement_unit(report.value_unit);
-  if (!unit) return 1;  // a count
-  if (unit->kind != "length")
+  if (!unit && (report.value_unit == "internodes" || report.value_unit == "count")) return 1;
+  if (!unit || unit->kind != "length")
     throw InputError(
         fmt::format("--params-out: the values are in {}, and the growth model counts internodes along "
                     "the stem: give heights, or counts of internodes (--value-unit internodes)",
