@@ -60,6 +60,12 @@ std::string counted(std::size_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
+// An equation that asks less of the data.
+std::string simpler(const std::string& equation, const GrowthOptions& options) {
+  if (options.abscissa != "age") return "the power law";
+  return equation == "bertalanffy" ? "the logistic" : "Bertalanffy";
+}
+
 std::string older(const GrowthOptions& options) {
   return options.abscissa == "age" ? "older" : "thicker";
 }
@@ -184,7 +190,7 @@ std::string no_finite_optimum(const MeasurementSeries& series, const std::string
          " show no levelling off, and the larger the final size the better the fit: give an upper bound "
          "(--bound "
          "asymptote=..:VALUE), add " +
-         older(options) + " trees, or use " + (equation == "bertalanffy" ? "the logistic" : "Bertalanffy");
+         older(options) + " trees, or use " + simpler(equation, options);
 }
 
 std::string ill_conditioned(const MeasurementSeries& series, const std::string& equation,
@@ -230,7 +236,7 @@ std::vector<std::string> fit_warnings(const MeasurementSeries& series, const Gro
     if (std::isfinite(asymptote.lo))
       text += " (>= " + plain_number(asymptote.lo + options.offset) + " " + options.value_unit + ")";
     text += ": give an upper bound (--bound asymptote=..:VALUE), add " + older(options) + " trees";
-    if (fit.equation != "bertalanffy") text += ", or use Bertalanffy";
+    if (fit.equation != "bertalanffy") text += ", or use " + simpler(fit.equation, options);
     warnings.push_back(text);
   }
   if (const GrowthParameter* start = fit.parameter("X0"); start && !start->fixed) {

@@ -22,7 +22,7 @@ using testing::Not;
 
 /// Heights in metres over years, with a ripple that no curve follows.
 double height(double age) {
-  const double p[] = {0.4, 24, 0.09};  // X0, Xm, r
+  const std::vector<double> p{0.4, 24, 0.09};  // X0, Xm, r
   return growth_equation("logistic").value(p, age) + 0.15 * std::sin(1.7 * age);
 }
 
@@ -129,7 +129,7 @@ TEST(GrowthCommand, pictures_and_tables_are_written) {
 TEST(GrowthCommand, parameters_for_grow_count_internodes_and_years_whatever_the_units) {
   const ScratchFolder scratch;
   std::string metres = "time,value\n", feet = metres;
-  const double p[] = {0.4, 9, 0.35};
+  const std::vector<double> p{0.4, 9, 0.35};
   for (int year = 1; year <= 24; ++year) {
     const double x = growth_equation("logistic").value(p, year);
     metres += std::to_string(year) + "," + std::to_string(x) + "\n";

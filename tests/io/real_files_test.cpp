@@ -88,8 +88,12 @@ TEST_P(RealTrees, HaveTheirCylindersAndVolume) {
   EXPECT_NEAR(volume, fact.volume_m3, fact.tolerance);
   const TreeMetrics metrics = measure(tree);
   EXPECT_NEAR(metrics.total_volume_m3, volume, 1e-9 * volume);
-  if (fact.dbh_m > 0) EXPECT_NEAR(metrics.dbh_m.value_or(0), fact.dbh_m, 0.05 * fact.dbh_m);
-  if (fact.height_m > 0) EXPECT_NEAR(metrics.height_m, fact.height_m, 0.005);
+  if (fact.dbh_m > 0) {
+    EXPECT_NEAR(metrics.dbh_m.value_or(0), fact.dbh_m, 0.05 * fact.dbh_m);
+  }
+  if (fact.height_m > 0) {
+    EXPECT_NEAR(metrics.height_m, fact.height_m, 0.005);
+  }
 }
 
 TEST(RealTrees, HaveTheirBranches) {
