@@ -16,6 +16,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -56,13 +57,12 @@ class Grow : public Command {
 
     const IgmGrowth growth = grow_igm(parameters, site, resolve_options(session, folder), session.progress());
     const TreeMetrics metrics = measure(growth.tree);
-    write_tree_files(folder, growth.tree, metrics, meshes_);
-    const MetricsByTree each = metrics_by_tree(growth);
-    if (each.size() > 1) write_file(folder / "metrics.json", with_trees(metrics, each).dump(1) + "\n");
+    const std::vector<TreeMetrics> each = measure_each(growth, site);
+    write_tree_files(folder, growth.tree, metrics, meshes_, each);
     write_file(folder / "growth.csv", growth_series_csv(growth.series));
     write_file(folder / "params.toml", igm_parameters_toml(parameters, {}));
     write_file(folder / "run.toml", run_record(session, inputs()));
-    report(session, growth, metrics, with_trees(metrics, each), folder);
+    report(session, growth, metrics, each, folder);
     say_trees(session, each);
     return 0;
   }
@@ -131,46 +131,33 @@ class Grow : public Command {
     return files;
   }
 
-  using MetricsByTree = std::vector<std::optional<TreeMetrics>>;
-
-  /// Of each of the site's trees, in its order; none for one without wood.
-  static MetricsByTree metrics_by_tree(const IgmGrowth& growth) {
-    MetricsByTree each;
-    const int last = *std::max_element(growth.tree_of_axis.begin(), growth.tree_of_axis.end());
-    for (int i = 0; i <= last; ++i) {
-      const Tree tree = tree_of(growth, i);
-      each.push_back(tree.empty() ? std::nullopt : std::optional(measure(tree)));
+  /// Metrics of each tree of a stand in the order of the site; none where one tree stands alone.
+  static std::vector<TreeMetrics> measure_each(const IgmGrowth& growth, const IgmSite& site) {
+    std::vector<TreeMetrics> each;
+    if (site.trees.size() < 2) return each;
+    for (std::size_t t = 0; t < site.trees.size(); ++t) {
+      const Tree tree = tree_of(growth, static_cast<int>(t));
+      each.push_back(tree.empty() ? TreeMetrics() : measure(tree));
     }
     return each;
   }
 
-  static void say_trees(const Session& session, const MetricsByTree& each) {
-    for (std::size_t i = 0; each.size() > 1 && i < each.size(); ++i)
-      if (const auto& m = each[i])
-        session.say(fmt::format("  tree {:<6} height {:.2f} m, DBH {}, wood {:.4g} m3", i + 1, m->height_m,
-                                m->dbh_m ? fmt::format("{:.1f} cm", 100 * *m->dbh_m) : "none",
-                                m->total_volume_m3));
-  }
-
-  /// A stand's metrics are its trees' together; "trees" has each one's.
-  static nlohmann::ordered_json with_trees(const TreeMetrics& all, const MetricsByTree& each) {
-    auto json = nlohmann::ordered_json::parse(metrics_to_json(all));
-    if (each.size() < 2) return json;
-    json["trees"] = nlohmann::ordered_json::array();
-    for (const auto& metrics : each)
-      json["trees"].push_back(metrics ? nlohmann::ordered_json::parse(metrics_to_json(*metrics)) : nullptr);
-    return json;
+  static void say_trees(const Session& session, std::span<const TreeMetrics> each) {
+    for (std::size_t i = 0; i < each.size(); ++i)
+      session.say(fmt::format("  tree {:<6} height {:.2f} m, DBH {}, wood {:.4g} m3", i + 1, each[i].height_m,
+                              each[i].dbh_m ? fmt::format("{:.1f} cm", 100 * *each[i].dbh_m) : "none",
+                              each[i].total_volume_m3));
   }
 
   static void report(const Session& session, const IgmGrowth& growth, const TreeMetrics& metrics,
-                     const nlohmann::ordered_json& json, const fs::path& folder) {
-    session.json(nlohmann::ordered_json{
-        {"output", folder.string()},
-        {"last_cycle", growth.last_cycle},
-        {"stop_reason", growth.stop_reason},
-        {"cylinders", growth.tree.size()},
-        {"metrics",
-         json}}.dump(2));
+                     std::span<const TreeMetrics> trees, const fs::path& folder) {
+    session.json(
+        nlohmann::ordered_json{{"output", folder.string()},
+                               {"last_cycle", growth.last_cycle},
+                               {"stop_reason", growth.stop_reason},
+                               {"cylinders", growth.tree.size()},
+                               {"metrics", nlohmann::ordered_json::parse(metrics_to_json(metrics, trees))}}
+            .dump(2));
     const int first = growth.series.empty() ? 0 : growth.series.front().cycle;
     if (first > 0 && growth.last_cycle <= first)
       session.warn(
@@ -179,6 +166,10 @@ class Grow : public Command {
                       first));
     session.say(fmt::format("Grown to cycle {}: {}.", growth.last_cycle, growth.stop_reason));
     say_metrics(session, growth.tree, metrics);
+    for (std::size_t t = 0; t < trees.size(); ++t)
+      session.say(fmt::format("  tree {:<6} {:.2f} m high, {}, {:.4g} m3 of wood", t + 1, trees[t].height_m,
+                              trees[t].dbh_m ? fmt::format("DBH {:.1f} cm", 100 * *trees[t].dbh_m) : "no DBH",
+                              trees[t].total_volume_m3));
     session.say("Written to " + folder.string() + ": qsm.csv, metrics.json, growth.csv, params.toml");
   }
 
