@@ -27,7 +27,7 @@ class Fit : public Command {
   int run(Session& session) override {
     need_output(output_);
     const FitOptions options = fit_.resolve(session.common());
-    const FileInfo info = describe_file(input_);
+    const FileInfo info = describe_file(input_, session.progress());
     const auto folder = prepare_output_folder(output_, session.common());
     const Tree observed = info.tree ? *info.tree : reconstruct_first(session, folder);
 
