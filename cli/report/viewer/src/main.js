@@ -63,6 +63,7 @@ function start(host) {
     if (layers.shoots) {  // what leaves stand on where the model ends coarser than twigs
       parts.shoots = new Wood(layers.shoots, colours);
       parts.shoots.colourBy('bark');
+      parts.shoots.pixel.value = 0;  // never thicker than they are: they would hide the leaves
       parts.leaves.add(parts.shoots.mesh);
     }
   }
@@ -100,7 +101,7 @@ function start(host) {
     camera.aspect = width / Math.max(1, height);
     camera.updateProjectionMatrix();
     if (parts.scan) parts.scan.material.uniforms.pixels.value = 0.5 * height * renderer.getPixelRatio();
-    for (const wood of [parts.model, parts.regrown, parts.shoots]) if (wood) wood.pixel.value = (2 * Math.tan((0.5 * camera.fov * Math.PI) / 180)) / Math.max(1, height);
+    for (const wood of [parts.model, parts.regrown]) if (wood) wood.pixel.value = (2 * Math.tan((0.5 * camera.fov * Math.PI) / 180)) / Math.max(1, height);
     draw();
   };
   const detail = new Detail(renderer, Object.values(parts), resize, draw);
