@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The program itself, run as a user runs it: exit codes, files, bytes.
 #include "core/atomic_file.h"
-#include "tests/support/scratch_folder.h"
+#include "tests/cli/run_program.h"
 #include "tests/support/shared_data.h"
-
-#include <cstdlib>
-#include <map>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
 namespace dendrofit {
 namespace {
@@ -18,32 +14,15 @@ namespace {
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-struct Outcome {
-  int code = -1;
-  std::string out;
-  std::string err;
-};
+using test::files_in;
+using test::Outcome;
 
-/// Runs `dendrofit ARGUMENTS` (shell words) with `before` put before it.
 Outcome run(const std::string& arguments, const std::string& before = "") {
-  const test::ScratchFolder scratch;
-  const std::string command = before + " " DENDROFIT_PROGRAM " " + arguments + " >" +
-                              (scratch / "out").string() + " 2>" + (scratch / "err").string() + " </dev/null";
-  const int status = std::system(command.c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), test::content_of(scratch / "out"),
-          test::content_of(scratch / "err")};
-}
-
-std::map<std::string, std::string> files_in(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file())
-      files[fs::relative(entry.path(), folder).string()] = test::content_of(entry.path());
-  return files;
+  return test::run_program(arguments, before);
 }
 
 std::string sample(const std::string& name) {
-  return (fs::path(DENDROFIT_SOURCE_DIR) / "data_samples" / name).string();
+  return test::sample_file(name);
 }
 
 TEST(Program, help_and_version_succeed_everywhere) {

@@ -104,6 +104,8 @@ std::vector<Format> formats() {
          read_birth_cycles(path, tree);
        },
        false},
+      {"tree.glb", [](const auto& path) { write_tree_glb(path, test::sample_tree()); },
+       [](const auto& path) { describe_file(path); }, true},
       {"heights.csv", text("series,time,value\na,1,2.5\na,2,NA\nb,1,3\nb,2.5,4e1\n"), read_table_checked,
        false},
       {"metrics.json", [](const auto& path) { write_metrics(path, measure(test::sample_tree())); },
