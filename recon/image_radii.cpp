@@ -85,25 +85,4 @@ std::vector<double> path_radii(const Silhouette& silhouette, const std::vector<f
   return smooth;
 }
 
-void make_falling(std::vector<double>& values) {
-  struct Block {
-    double sum;
-    std::size_t count;
-    double mean() const { return sum / static_cast<double>(count); }
-  };
-  std::vector<Block> blocks;
-  for (const double value : values) {
-    blocks.push_back({value, 1});
-    while (blocks.size() > 1 && blocks.back().mean() > blocks[blocks.size() - 2].mean()) {
-      const Block last = blocks.back();
-      blocks.pop_back();
-      blocks.back().sum += last.sum;
-      blocks.back().count += last.count;
-    }
-  }
-  std::size_t i = 0;
-  for (const Block& block : blocks)
-    for (std::size_t k = 0; k < block.count; ++k) values[i++] = block.mean();
-}
-
 }  // namespace dendrofit
