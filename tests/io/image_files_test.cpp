@@ -36,10 +36,12 @@ TEST(ReadImage, turns_a_photograph_as_its_exif_says) {
     ASSERT_EQ(photo.height, swapped ? 64 : 48) << orientation;
     const int right = photo.width - 5, bottom = photo.height - 5;
     std::string corners;
-    for (const auto& [x, y] : {std::pair{4, 4}, std::pair{right, 4}, std::pair{4, bottom}, std::pair{right, bottom}})
+    for (const auto& [x, y] :
+         {std::pair{4, 4}, std::pair{right, 4}, std::pair{4, bottom}, std::pair{right, bottom}})
       corners += colour_at(photo, x, y);
     // Upper left, upper right, lower left, lower right, by EXIF orientation 1 to 8.
-    const std::vector<std::string> expected = {"bgrg", "gbgr", "grgb", "rgbg", "brgg", "rbgg", "ggrb", "ggbr"};
+    const std::vector<std::string> expected = {"bgrg", "gbgr", "grgb", "rgbg",
+                                               "brgg", "rbgg", "ggrb", "ggbr"};
     EXPECT_EQ(corners, expected[static_cast<std::size_t>(orientation - 1)]) << orientation;
   }
 }
@@ -64,7 +66,8 @@ TEST(ReadImage, names_the_row_after_which_a_file_is_corrupt) {
     const std::string bytes = test::content_of(folder / name);
     EXPECT_NO_THROW(read_photograph(folder / name)) << name;
     std::ofstream(folder / "cut", std::ios::binary) << bytes.substr(0, bytes.size() / 2);
-    const std::string said = name == "progressive.jpg" ? "every row is affected" : "file is corrupt after row ";
+    const std::string said =
+        name == "progressive.jpg" ? "every row is affected" : "file is corrupt after row ";
     EXPECT_THAT([&] { read_photograph(folder / "cut"); }, ThrowsMessage<IoError>(HasSubstr(said))) << name;
     std::ofstream(folder / "head", std::ios::binary) << bytes.substr(0, 20);
     EXPECT_THROW(read_photograph(folder / "head"), IoError) << name;
@@ -110,8 +113,9 @@ TEST(ReadImage, takes_transparency_for_background) {
   EXPECT_EQ(read.photo.mask[read.photo.pixel(9, 4)], 1);
   EXPECT_EQ(read.photo.mask[read.photo.pixel(10, 4)], 0);
   EXPECT_EQ(read.warnings.size(), 1u);
-  test::write_png_file(folder / "opaque.png", 30, 20, 4, 8,
-                       [](int, int) { return std::vector<unsigned>{90, 80, 70, 255}; });
+  test::write_png_file(folder / "opaque.png", 30, 20, 4, 8, [](int, int) {
+    return std::vector<unsigned>{90, 80, 70, 255};
+  });
   EXPECT_TRUE(read_photograph(folder / "opaque.png").photo.mask.empty());
 }
 
@@ -130,13 +134,18 @@ TEST(ReadImage, reads_masks_and_refuses_those_that_mask_nothing) {
   test::write_png_file(folder / "white.png", 40, 30, 1, 8, grey(255));
   EXPECT_THAT([&] { read_mask(folder / "small.png", image); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("39 x 30"), HasSubstr("40 x 30"))));
-  EXPECT_THAT([&] { read_mask(folder / "black.png", image); }, ThrowsMessage<InputError>(HasSubstr("no pixel")));
-  EXPECT_THAT([&] { read_mask(folder / "white.png", image); }, ThrowsMessage<InputError>(HasSubstr("every pixel")));
+  EXPECT_THAT([&] { read_mask(folder / "black.png", image); },
+              ThrowsMessage<InputError>(HasSubstr("no pixel")));
+  EXPECT_THAT([&] { read_mask(folder / "white.png", image); },
+              ThrowsMessage<InputError>(HasSubstr("every pixel")));
 }
 
 TEST(ReadImage, names_formats_it_does_not_read) {
   const test::ScratchFolder folder;
-  std::ofstream(folder / "photo.heic", std::ios::binary) << std::string("\0\0\0\x18" "ftypheic0000", 16);
+  std::ofstream(folder / "photo.heic", std::ios::binary) << std::string(
+      "\0\0\0\x18"
+      "ftypheic0000",
+      16);
   std::ofstream(folder / "text.jpg") << "no picture at all";
   EXPECT_THAT([&] { read_photograph(folder / "photo.heic"); },
               ThrowsMessage<IoError>(AllOf(HasSubstr("HEIC"), HasSubstr("JPEG or PNG"))));

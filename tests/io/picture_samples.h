@@ -34,9 +34,10 @@ inline void write_jpeg(const std::filesystem::path& path, int width, int height,
   if (progressive) jpeg_simple_progression(&encoder);
   jpeg_start_compress(&encoder, TRUE);
   if (orientation > 0) {
-    const std::uint8_t exif[] = {'E', 'x', 'i', 'f', 0, 0, 'M', 'M', 0, 42, 0, 0, 0, 8, 0, 1, 0x01, 0x12, 0,
-                                 3,   0,   0,   0,   1, 0, static_cast<std::uint8_t>(orientation), 0, 0, 0, 0,
-                                 0,   0};
+    const std::uint8_t exif[] = {
+        'E', 'x', 'i', 'f',  0,    0, 'M', 'M', 0, 42, 0, 0, 0,
+        8,   0,   1,   0x01, 0x12, 0, 3,   0,   0, 0,  1, 0, static_cast<std::uint8_t>(orientation),
+        0,   0,   0,   0,    0,    0};
     jpeg_write_marker(&encoder, JPEG_APP0 + 1, exif, sizeof exif);
   }
   std::vector<JSAMPLE> row(3 * static_cast<std::size_t>(width));
