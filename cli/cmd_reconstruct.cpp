@@ -80,8 +80,8 @@ class Reconstruct : public Command {
 
   int from_views(Session& session, ViewSet read, const ReconstructOptions& options) {
     const ViewSet set = scaled_views(std::move(read), photo_.height_m, session.progress());
-    const ViewsReconstruction result = reconstruct_views(set, {.cloud = options}, session.progress());
     const auto folder = prepare_output_folder(output_, session.common());
+    const ViewsReconstruction result = reconstruct_views(set, {.cloud = options}, session.progress());
     write_views_reconstruction(folder, set, result, meshes_);
     write_file(folder / "run.toml", run_record(session, photo_.inputs(scan_)));
 

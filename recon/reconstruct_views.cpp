@@ -6,7 +6,9 @@
 #include "recon/image_agreement.h"
 #include "recon/image_foot.h"
 #include "recon/image_poses.h"
+#include "recon/image_redundancy.h"
 #include "recon/image_settle.h"
+#include "recon/image_tips.h"
 #include "recon/view_checks.h"
 
 #include <algorithm>
@@ -136,8 +138,16 @@ Tree settle_on_views(Tree tree, const Work& work, const ViewsOptions& options, V
     const std::size_t before = tree.size();
     tree = subset(tree, keep);
     result.shadows += before - tree.size();
+    if (!getenv("NORED")) {
+    const std::vector<char> needed = needed_by_views(tree, work.cameras, options.cloud.threads);
+    const std::size_t b4 = tree.size();
+    tree = subset(tree, needed);
+    result.shadows += b4 - tree.size();
+    assign_axes_by_thickness(tree);
+    }
     centre_on_views(tree, sight(kReachPx));
     settle_radii_from_views(tree, sight(0.5 * kReachPx));
+    if (round == 0 && !getenv("NOTIP")) extend_tips(tree, work.cameras, work.outlines);
   }
   assign_axes_by_thickness(tree);
   return tree;
