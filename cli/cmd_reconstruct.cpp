@@ -5,6 +5,7 @@
 #include "cli/photo_settings.h"
 #include "cli/reconstruct_settings.h"
 #include "cli/tree_files.h"
+#include "cli/views_output.h"
 #include "core/atomic_file.h"
 #include "io/metrics_json.h"
 
@@ -56,6 +57,7 @@ class Reconstruct : public Command {
     if (!photo_.has_cameras())
       return from_photo(session, photo_.read_photo(scan_, session.common(), dbh_height_m));
     ViewSet set = photo_.read_views();
+    if (set.views.size() > 1) return from_views(session, std::move(set), options);
     return from_photo(session, photo_.from_view(std::move(set), session.common(), dbh_height_m));
   }
 
@@ -73,6 +75,25 @@ class Reconstruct : public Command {
     say_photo_reconstruction(session, result);
     session.say("Written to " + folder.string() + ": " + (result.has_tree ? "qsm.csv, skeleton.csv, " : "") +
                 "metrics.json, reconstruction.json, overlay.png");
+    return 0;
+  }
+
+  int from_views(Session& session, ViewSet read, const ReconstructOptions& options) {
+    const ViewSet set = scaled_views(std::move(read), photo_.height_m, session.progress());
+    const auto folder = prepare_output_folder(output_, session.common());
+    const ViewsReconstruction result = reconstruct_views(set, {.cloud = options}, session.progress());
+    write_views_reconstruction(folder, set, result, meshes_);
+    write_file(folder / "run.toml", run_record(session, photo_.inputs(scan_)));
+
+    auto json = nlohmann::ordered_json::parse(reconstruction_json(result.model));
+    json["output"] = folder.string();
+    json["cylinders"] = result.model.tree.size();
+    json["metrics"] = nlohmann::ordered_json::parse(metrics_to_json(result.model.metrics));
+    json["views"] = nlohmann::ordered_json::parse(views_json(result));
+    session.json(json.dump(2));
+    say_views_reconstruction(session, result);
+    session.say("Written to " + folder.string() +
+                ": qsm.csv, metrics.json, reconstruction.json, views.json, surface.ply, overlays/");
     return 0;
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/observed_tree.h"
 
+#include "cli/views_output.h"
 #include "core/errors.h"
 
 namespace dendrofit::cli {
@@ -14,6 +15,19 @@ ObservedTree from_scan(Session& session, const std::filesystem::path& input,
   observed.model = reconstruct(observed.scan, settings.resolve(session.common()), session.progress());
   write_reconstruction(folder, observed.model, mesh_formats);
   say_reconstruction(session, observed.model);
+  return observed;
+}
+
+ObservedTree from_views(Session& session, ViewSet read, const ReconstructSettings& settings,
+                        const PhotoSettings& photo, const std::filesystem::path& folder,
+                        const std::vector<std::string>& mesh_formats) {
+  const ViewSet set = scaled_views(std::move(read), photo.height_m, session.progress());
+  const ViewsReconstruction result =
+      reconstruct_views(set, {.cloud = settings.resolve(session.common())}, session.progress());
+  write_views_reconstruction(folder, set, result, mesh_formats);
+  say_views_reconstruction(session, result);
+  ObservedTree observed;
+  observed.model = result.model;
   return observed;
 }
 
@@ -49,8 +63,11 @@ ObservedTree observe_tree(Session& session, const std::filesystem::path& input,
     observed =
         from_photo(session, photo.read_photo(input, session.common(), dbh_height_m), folder, mesh_formats);
   } else {
-    observed = from_photo(session, photo.from_view(photo.read_views(), session.common(), dbh_height_m),
-                          folder, mesh_formats);
+    ViewSet set = photo.read_views();
+    observed = set.views.size() > 1
+                   ? from_views(session, std::move(set), scan, photo, folder, mesh_formats)
+                   : from_photo(session, photo.from_view(std::move(set), session.common(), dbh_height_m),
+                                folder, mesh_formats);
   }
   observed.inputs = photo.inputs(input);
   return observed;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The tree a growth model is fitted to, from whatever shows it: a scan, or a photograph.
+// The tree a growth model is fitted to, from whatever shows it: a scan, a photograph, or several.
 #pragma once
 
 #include "cli/photo_settings.h"
@@ -13,7 +13,7 @@
 namespace dendrofit::cli {
 
 struct ObservedTree {
-  PointCloud scan;  ///< empty where the tree comes from a photograph
+  PointCloud scan;  ///< empty where the tree comes from photographs
   Reconstruction model;
   bool one_view = false;    ///< depth is invented: what only depth would tell must not be compared
   std::string overlay_png;  ///< of a photograph
