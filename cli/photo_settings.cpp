@@ -4,9 +4,13 @@
 #include "cli/parse.h"
 #include "core/errors.h"
 #include "io/read_image.h"
+#include "io/text_numbers.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -58,7 +62,13 @@ void PhotoSettings::declare(OptionTable& table) {
 }
 
 bool PhotoSettings::asked_for(const std::filesystem::path& input) const {
-  return has_cameras() || (!input.empty() && is_image(input));
+  if (has_cameras()) return true;
+  if (input.empty()) return false;
+  // By name as well, so that a broken photograph or one of another format is told as such.
+  constexpr std::array<std::string_view, 9> names = {".jpg", ".jpeg", ".png",  ".heic", ".webp",
+                                                     ".tif", ".tiff", ".avif", ".bmp"};
+  const std::string name = lower(input.extension().string());
+  return std::find(names.begin(), names.end(), name) != names.end() || is_image(input);
 }
 
 std::vector<std::filesystem::path> PhotoSettings::inputs(const std::filesystem::path& input) const {
@@ -75,7 +85,7 @@ void PhotoSettings::check(const std::filesystem::path& input) const {
   if (!asked_for(input)) {
     if (input.empty())
       throw UsageError("no input: name a scan or a photograph, or give --cameras or --colmap");
-    if (photo_option)
+    if (photo_option && std::filesystem::exists(input))
       throw UsageError(
           input.string() +
           ": not a JPEG or PNG photograph, which --height, --scale-bar, --mask, --root, --cameras and "

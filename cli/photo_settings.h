@@ -28,7 +28,7 @@ struct PhotoSettings {
   double eye_height_m = 1.6;
 
   void declare(OptionTable& table);
-  /// True where --cameras or --colmap is given, or `input` is a JPEG or PNG file.
+  /// True where --cameras or --colmap is given, or `input` is a picture by content or name.
   bool asked_for(const std::filesystem::path& input) const;
   /// The files read: for run.toml.
   std::vector<std::filesystem::path> inputs(const std::filesystem::path& input) const;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <opencv2/imgproc.hpp>
 
@@ -22,6 +23,73 @@ Strip cut_strip(const Photograph& photo, int left, int right, int top) {
   cv::resize(whole(area), half, cv::Size(std::max(1, area.width / 2), std::max(1, area.height / 2)), 0, 0,
              cv::INTER_AREA);
   return {half, left, top};
+}
+
+using Colour = Eigen::Vector3d;
+
+Colour mean_colour(const Photograph& photo, int row, int first, int last) {
+  Colour sum = Colour::Zero();
+  for (int x = first; x <= last; ++x)
+    for (int c = 0; c < 3; ++c) sum[c] += photo.rgb[3 * photo.pixel(x, row) + static_cast<std::size_t>(c)];
+  return sum / std::max(1, last - first + 1);
+}
+
+/// How far beyond `edge` (the last wood column in direction `side`) the colour is half-way between the wood's
+/// and the background's; none where these hardly differ.
+std::optional<double> edge_shift(const Photograph& photo, int row, int middle, int edge, int side) {
+  constexpr int reach = 4;
+  const int width = std::abs(edge - middle);
+  const int out_near = edge + side * (reach + 1), out_far = edge + side * (reach + 6);
+  if (width < 4 || std::min(out_near, out_far) < 0 || std::max(out_near, out_far) >= photo.width)
+    return std::nullopt;
+  const int in_edge = edge - side * std::min(reach + 1, width - 1);
+  const Colour wood = mean_colour(photo, row, std::min(middle, in_edge), std::max(middle, in_edge));
+  const Colour ground = mean_colour(photo, row, std::min(out_near, out_far), std::max(out_near, out_far));
+  const Colour axis = wood - ground;
+  if (axis.norm() < 12) return std::nullopt;
+  // Wood in the window about the edge, as a sum of shares: bark's own pattern averages out.
+  double covered = 0;
+  for (int k = -reach; k <= reach; ++k) {
+    const Colour here = mean_colour(photo, row, edge + side * k, edge + side * k);
+    covered += std::clamp((here - ground).dot(axis) / axis.squaredNorm(), 0.0, 1.0);
+  }
+  return covered - (reach + 1);
+}
+
+/// Median over the rows within `reach` of each.
+std::vector<double> running_median(const std::vector<double>& values, std::size_t reach) {
+  std::vector<double> smooth(values.size()), window;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(i >= reach ? i - reach : 0);
+    const auto last = values.begin() + static_cast<std::ptrdiff_t>(std::min(values.size(), i + reach + 1));
+    window.assign(first, last);
+    auto middle = window.begin() + static_cast<std::ptrdiff_t>(window.size() / 2);
+    std::nth_element(window.begin(), middle, window.end());
+    smooth[i] = *middle;
+  }
+  return smooth;
+}
+
+struct StemRow {
+  int row, first, last;
+};
+
+/// Writes the rows into `tree`, their edges moved to where the colour changes (GrabCut's are good to a pixel
+/// of its half-size picture).
+void write_rows(const Photograph& photo, const std::vector<StemRow>& rows, std::vector<std::uint8_t>& tree) {
+  std::vector<double> left(rows.size(), 0), right(rows.size(), 0);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const int middle = (rows[i].first + rows[i].last) / 2;
+    left[i] = edge_shift(photo, rows[i].row, middle, rows[i].first, -1).value_or(0);
+    right[i] = edge_shift(photo, rows[i].row, middle, rows[i].last, 1).value_or(0);
+  }
+  left = running_median(left, 7);
+  right = running_median(right, 7);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const int first = std::max(0, rows[i].first - static_cast<int>(std::lround(left[i])));
+    const int last = std::min(photo.width - 1, rows[i].last + static_cast<int>(std::lround(right[i])));
+    for (int x = first; x <= last; ++x) tree[photo.pixel(x, rows[i].row)] = 1;
+  }
 }
 
 }  // namespace
@@ -66,6 +134,7 @@ int follow_stem_down(const Photograph& photo, const StemCrossing& stem, std::vec
   };
   int first = stem.first, last = stem.last, foot = stem.row;
   double usual = width;
+  std::vector<StemRow> rows;
   for (int row = stem.row + 1; row < photo.height; ++row) {
     // The longest run that overlaps the row above.
     int best_first = 0, best_last = -1;
@@ -84,9 +153,10 @@ int follow_stem_down(const Photograph& photo, const StemCrossing& stem, std::vec
     first = best_first;
     last = best_last;
     usual = 0.95 * usual + 0.05 * run;
-    for (int x = first; x <= last; ++x) tree[photo.pixel(x, row)] = 1;
+    rows.push_back({row, first, last});
     foot = row;
   }
+  write_rows(photo, rows, tree);
   return foot;
 }
 

@@ -40,6 +40,16 @@ double width_across(const Silhouette& s, const Eigen::Vector2d& p, const Eigen::
   return sum;
 }
 
+/// The distance at a pixel; of thick wood at its middle, which thinning may miss by a pixel.
+double ridge(const Silhouette& s, const std::vector<float>& distance, int x, int y) {
+  float best = distance[s.pixel(x, y)];
+  if (best < 4) return best;
+  for (int ny = std::max(0, y - 1); ny <= std::min(s.height - 1, y + 1); ++ny)
+    for (int nx = std::max(0, x - 1); nx <= std::min(s.width - 1, x + 1); ++nx)
+      best = std::max(best, distance[s.pixel(nx, ny)]);
+  return best;
+}
+
 }  // namespace
 
 std::vector<float> solid_distance(const Silhouette& silhouette) {
@@ -56,7 +66,7 @@ std::vector<double> path_radii(const Silhouette& silhouette, const std::vector<f
     if (inside[i] <= 0) continue;
     const int x = std::clamp(static_cast<int>(path[i].x()), 0, silhouette.width - 1);
     const int y = std::clamp(static_cast<int>(path[i].y()), 0, silhouette.height - 1);
-    radius[i] = solid[silhouette.pixel(x, y)] - kGridBias;
+    radius[i] = ridge(silhouette, solid, x, y) - kGridBias;
     if (radius[i] >= kThin) continue;
     radius[i] = std::max(kThinnest, radius[i]);
     const Eigen::Vector2d along = path[std::min(n - 1, i + 3)] - path[i >= 3 ? i - 3 : 0];
@@ -83,27 +93,6 @@ std::vector<double> path_radii(const Silhouette& silhouette, const std::vector<f
     smooth[i] = window[reach];
   }
   return smooth;
-}
-
-void make_falling(std::vector<double>& values) {
-  struct Block {
-    double sum;
-    std::size_t count;
-    double mean() const { return sum / static_cast<double>(count); }
-  };
-  std::vector<Block> blocks;
-  for (const double value : values) {
-    blocks.push_back({value, 1});
-    while (blocks.size() > 1 && blocks.back().mean() > blocks[blocks.size() - 2].mean()) {
-      const Block last = blocks.back();
-      blocks.pop_back();
-      blocks.back().sum += last.sum;
-      blocks.back().count += last.count;
-    }
-  }
-  std::size_t i = 0;
-  for (const Block& block : blocks)
-    for (std::size_t k = 0; k < block.count; ++k) values[i++] = block.mean();
 }
 
 }  // namespace dendrofit

@@ -18,8 +18,4 @@ std::vector<float> solid_distance(const Silhouette& silhouette);
 std::vector<double> path_radii(const Silhouette& silhouette, const std::vector<float>& solid,
                                const std::vector<Eigen::Vector2d>& path, const std::vector<float>& inside);
 
-/// The falling series nearest to `values` in the least squares (pool adjacent violators, Ayer et al. 1955):
-/// wood tapers, what makes it look thicker farther out is another branch behind it.
-void make_falling(std::vector<double>& values);
-
 }  // namespace dendrofit

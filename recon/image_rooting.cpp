@@ -139,6 +139,8 @@ Eigen::Vector2d arm_direction(const PlaneGraph::Edge& edge, std::int32_t from, d
   const bool forward = from == edge.a;
   const std::size_t n = edge.path.size();
   const auto index = [&](std::size_t i) { return forward ? i : n - 1 - i; };
+  // A path shorter than the stretch tells by its outer part.
+  near_px = std::min(near_px, 0.4 * edge.length);
   double run = 0, sum = 0;
   int count = 0;
   Eigen::Vector2d first = edge.path[index(0)], last = first;

@@ -40,8 +40,9 @@ struct GrownEdge {
 /// where their last edge ends.
 std::vector<GrownEdge> grow_order(const PlaneGraph& graph, std::int32_t root, const Passes& passes);
 
-/// Unit direction of an edge's path away from vertex `from`, between two distances along it (pixels); zero
-/// where the edge is too short to tell. `radius`: mean along that stretch.
+/// Unit direction of an edge's path away from vertex `from`, between two distances along it (pixels; a
+/// short edge from 0.4 of its length on); zero where it is too short to tell. `radius`: mean along that
+/// stretch.
 Eigen::Vector2d arm_direction(const PlaneGraph::Edge& edge, std::int32_t from, double near_px, double far_px,
                               double* radius = nullptr);
 

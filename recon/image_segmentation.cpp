@@ -14,6 +14,9 @@
 namespace dendrofit {
 namespace {
 
+constexpr double kSlender = 0.15;  ///< a stem is thinner than this share of the height above it
+constexpr double kDark = 0.85;     ///< wood's luminance over the sky's is below this
+
 Silhouette from_mask(const Photograph& photo) {
   Silhouette s;
   s.width = photo.width;
@@ -84,6 +87,63 @@ struct Run {
   int first, last;
 };
 
+/// The stem above a run of wood: its width (the median of the rows above, which a branch on the horizon does
+/// not widen), where it would cross the run's row, and how it leans. None where nothing goes up from the run.
+template <class IsWood>
+std::optional<StemCrossing> follow_up(const IsWood& is_wood, int first, int last, int lift,
+                                      const SkyRatio& sky) {
+  struct Row {
+    int above, width;
+    double middle;
+  };
+  std::vector<Row> rows;
+  int f = first, l = last, thinnest = last - first + 1;
+  // No farther than three widths: above, the stem forks.
+  for (int above = lift; above < sky.height && above < lift + std::max(15, 3 * thinnest); ++above) {
+    // The widest run within the one below.
+    int best_f = 0, best_l = -1;
+    for (int c = std::max(0, f); c <= std::min(sky.width - 1, l); ++c) {
+      if (!is_wood(c, above)) continue;
+      int from = c, to = c;
+      while (from > 0 && is_wood(from - 1, above)) --from;
+      while (to + 1 < sky.width && is_wood(to + 1, above)) ++to;
+      if (to - from > best_l - best_f) best_f = from, best_l = to;
+      c = to;
+    }
+    if (best_l < best_f) break;
+    f = best_f;
+    l = best_l;
+    thinnest = std::min(thinnest, l - f + 1);
+    rows.push_back({above, l - f + 1, 0.5 * (f + l)});
+  }
+  if (rows.size() < 5) return std::nullopt;
+  std::vector<int> widths;
+  for (const Row& row : rows) widths.push_back(row.width);
+  auto at = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+  std::nth_element(widths.begin(), at, widths.end());
+  const int width = *at;
+  // A line through the rows about as wide as that.
+  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (const Row& row : rows) {
+    if (row.width > 1.4 * width + 1 || row.width < 0.6 * width) continue;
+    ++n;
+    sx += row.above;
+    sy += row.middle;
+    sxx += static_cast<double>(row.above) * row.above;
+    sxy += row.above * row.middle;
+  }
+  if (n < 5) return std::nullopt;
+  const double slope = (n * sxy - sx * sy) / std::max(1e-9, n * sxx - sx * sx);
+  const double middle = (sy - slope * sx) / n + slope * lift;
+  StemCrossing stem;
+  stem.first = std::max(0, static_cast<int>(std::lround(middle - 0.5 * (width - 1))));
+  stem.last = std::min(sky.width - 1, stem.first + width - 1);
+  const int column = std::clamp(static_cast<int>(std::lround(middle)), 0, sky.width - 1);
+  stem.row = sky.horizon[static_cast<std::size_t>(column)] - lift;
+  stem.slope = std::clamp(-slope, -0.3, 0.3);
+  return stem;
+}
+
 /// Where the group stands on the horizon: its widest run of wood just above it, with the horizon's row there.
 std::optional<StemCrossing> find_crossing(const SkyRatio& sky, const std::vector<std::int32_t>& group,
                                           std::int32_t id, const std::optional<Eigen::Vector2d>& root) {
@@ -102,26 +162,15 @@ std::optional<StemCrossing> find_crossing(const SkyRatio& sky, const std::vector
     if (!column[static_cast<std::size_t>(x)]) continue;
     int last = x;
     while (last + 1 < sky.width && column[static_cast<std::size_t>(last + 1)]) ++last;
-    const int width = last - x + 1;
-    const double middle = 0.5 * (x + last);
-    // A stem goes on upwards: follow its middle for some widths.
-    double up = middle;
-    int tall = 0;
-    for (int above = lift; above < sky.height && tall < 6 * width + 10; ++above, ++tall) {
-      const int c = static_cast<int>(std::lround(up));
-      if (c < 0 || c >= sky.width || !is_wood(c, above)) break;
-      int f = c, l = c;
-      while (f > 0 && l - f < 3 * width && is_wood(f - 1, above)) --f;
-      while (l + 1 < sky.width && l - f < 3 * width && is_wood(l + 1, above)) ++l;
-      if (l - f + 1 > 2 * width) break;
-      up = 0.5 * (f + l);
-    }
-    double score = std::min(width, tall);
-    if (root) score /= 1 + std::abs(middle - root->x()) / std::max(10.0, 0.02 * sky.width);
-    if (score > best_score) {
-      best_score = score;
-      const int row = sky.horizon[static_cast<std::size_t>(std::lround(middle))] - lift;
-      best = StemCrossing{x, last, row, tall > width ? std::clamp((middle - up) / tall, -0.3, 0.3) : 0};
+    if (const auto stem = follow_up(is_wood, x, last, lift, sky)) {
+      const int width = stem->last - stem->first + 1;
+      const double middle = 0.5 * (stem->first + stem->last);
+      const double score =
+          root ? width / (1 + std::abs(middle - root->x()) / std::max(10.0, 0.02 * sky.width)) : width;
+      if (score > best_score) {
+        best_score = score;
+        best = stem;
+      }
     }
     x = last;
   }
@@ -156,37 +205,36 @@ void set_cover(Silhouette& s, const SkyRatio& sky) {
   throw SolverError("no tree found: " + why);
 }
 
-/// Whether a group looks like a tree rather than stalks or a pole: its wood gets wider in sum above its
-/// lowest tenth (a branching stem carries more width the higher, a tuft of grass less), or it has one stem
-/// far thicker than what stands beside it.
-bool looks_like_tree(const TreeGroup& g, const std::vector<std::int32_t>& group, std::int32_t id, int width) {
-  std::vector<double> sums;
-  std::vector<double> base_runs;
-  const int base_top = g.bottom - g.height() / 10;
-  double base = 0;
-  for (int y = g.top; y <= g.bottom; ++y) {
-    double sum = 0, run = 0;
-    for (int x = g.left; x <= g.right + 1; ++x) {
-      const bool wood = x <= g.right && group[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                                              static_cast<std::size_t>(x)] == id;
-      if (wood) {
-        ++sum;
-        ++run;
-      } else if (run > 0) {
-        if (y >= base_top) base_runs.push_back(run);
-        run = 0;
-      }
-    }
-    if (y >= base_top)
-      base += sum / (g.bottom - base_top + 1);
-    else
-      sums.push_back(sum);
+/// Drops groups that are not darker than the sky to the eye (dry grass is darker in blue alone).
+void drop_bright_groups(const Photograph& photo, const SkyRatio& sky, double seed, Silhouette& s,
+                        std::vector<std::int32_t>& group, std::vector<TreeGroup>& groups) {
+  std::vector<std::vector<float>> light(groups.size());
+  for (std::size_t p = 0; p < group.size(); ++p)
+    if (group[p] >= 0 && sky.ratio[p] < seed)
+      light[static_cast<std::size_t>(group[p])].push_back(
+          static_cast<float>(luminance(photo, p) / sky.row_light[p / static_cast<std::size_t>(s.width)]));
+  std::vector<std::int32_t> kept(groups.size(), -1);
+  std::vector<TreeGroup> dark;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (light[g].empty()) continue;
+    auto middle = light[g].begin() + static_cast<std::ptrdiff_t>(light[g].size() / 2);
+    std::nth_element(light[g].begin(), middle, light[g].end());
+    if (*middle >= kDark) continue;
+    kept[g] = static_cast<std::int32_t>(dark.size());
+    dark.push_back(groups[g]);
   }
-  if (sums.empty() || base_runs.empty()) return false;
-  std::sort(sums.begin(), sums.end());
-  std::sort(base_runs.begin(), base_runs.end());
-  const double upper = sums[sums.size() * 9 / 10];
-  return upper > 1.5 * base || base_runs.back() > 5 * base_runs[base_runs.size() / 2];
+  groups = std::move(dark);
+  for (std::size_t p = 0; p < group.size(); ++p) {
+    if (group[p] < 0) continue;
+    group[p] = kept[static_cast<std::size_t>(group[p])];
+    if (group[p] < 0) s.tree[p] = 0;
+  }
+}
+
+std::size_t pixels_of(const std::vector<TreeGroup>& groups) {
+  std::size_t sum = 0;
+  for (const TreeGroup& g : groups) sum += g.pixels;
+  return sum;
 }
 
 Silhouette from_sky(const Photograph& photo, const SegmentationOptions& options) {
@@ -199,24 +247,25 @@ Silhouette from_sky(const Photograph& photo, const SegmentationOptions& options)
   s.tree = hysteresis(sky, options.seed_ratio, options.grow_ratio);
   std::vector<std::int32_t> group;
   const double gap = std::max(6.0, 0.006 * photo.height);
-  const std::vector<TreeGroup> groups = group_pieces(s.tree, s.width, s.height, gap, group);
-  if (groups.empty() || groups.front().height() < 0.08 * photo.height) no_tree("nothing darker than the sky");
+  std::vector<TreeGroup> groups = group_pieces(s.tree, s.width, s.height, gap, group);
+  const std::size_t before = pixels_of(groups);
+  drop_bright_groups(photo, sky, options.seed_ratio, s, group, groups);
+  if (groups.empty() || groups.front().height() < 0.08 * photo.height || 2 * pixels_of(groups) < before)
+    no_tree("nothing darker than the sky");
   const double sharp = edge_sharpness(sky, s.tree);
   if (sharp < 0.5) no_tree("nothing darker than the sky has an edge; clouds or haze are no tree");
-  bool any = false;
-  for (std::size_t g = 0; g < groups.size() && groups[g].height() > 0.4 * groups.front().height(); ++g)
-    any = any || looks_like_tree(groups[g], group, static_cast<std::int32_t>(g), photo.width);
-  if (!any) no_tree("only stalks or poles before the sky; give --mask if one is a tree");
-
   // Each tall group that stands on the horizon is followed to the ground.
   for (std::size_t g = 0; g < groups.size() && groups[g].height() > 0.4 * groups.front().height(); ++g)
     if (const auto stem = find_crossing(sky, group, static_cast<std::int32_t>(g), options.root_px))
-      follow_stem_down(photo, *stem, s.tree);
+      if (stem->last - stem->first < kSlender * groups[g].height()) follow_stem_down(photo, *stem, s.tree);
   if (sky.horizon_share > 0.5 && sky.median_horizon < 0.98 * photo.height) s.horizon_px = sky.median_horizon;
   set_cover(s, sky);
-  s.confidence = std::min({separability(sky), sky.border_share, steadiness(sky, options.seed_ratio),
-                           static_cast<double>(groups.front().pixels) /
-                               static_cast<double>(std::count(s.tree.begin(), s.tree.end(), 1))});
+  std::size_t standing = 0;  // on the tall groups: one tree each
+  for (const TreeGroup& g : groups)
+    if (g.height() > 0.4 * groups.front().height()) standing += g.pixels;
+  s.confidence = std::min(
+      {separability(sky), sky.border_share, steadiness(sky, options.seed_ratio),
+       static_cast<double>(standing) / static_cast<double>(std::max<std::size_t>(1, pixels_of(groups)))});
   return s;
 }
 

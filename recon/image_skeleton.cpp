@@ -127,28 +127,29 @@ std::vector<char> main_edges(const PlaneGraph& graph, const std::vector<GrownEdg
   return main;
 }
 
-/// Radii that fall along every axis; a side branch is no thicker where it leaves than its bearer goes on.
-void taper_axes(PlaneSkeleton& skeleton) {
+/// A side branch is no thicker than its bearer goes on (the mean of its next nodes), and thinner at its base.
+void bound_branches(PlaneSkeleton& skeleton) {
+  constexpr int ahead = 5;
   std::vector<std::int32_t> next(skeleton.size(), -1);
   for (std::size_t i = 1; i < skeleton.size(); ++i)
     if (skeleton.continues[i])
       next[static_cast<std::size_t>(skeleton.parent[i])] = static_cast<std::int32_t>(i);
-  std::vector<double> series;
-  for (std::size_t i = 0; i < skeleton.size(); ++i) {
-    if (skeleton.continues[i]) continue;  // an axis begins where nothing is continued
-    series.clear();
-    for (auto k = static_cast<std::int32_t>(i); k >= 0; k = next[static_cast<std::size_t>(k)])
-      series.push_back(skeleton.radius_px[static_cast<std::size_t>(k)]);
-    make_falling(series);
-    double most = series.front();
-    if (skeleton.parent[i] >= 0) {
-      const auto bearer = static_cast<std::size_t>(skeleton.parent[i]);
-      const std::int32_t on = next[bearer];
-      most = skeleton.radius_px[on >= 0 ? static_cast<std::size_t>(on) : bearer];
+  for (std::size_t i = 1; i < skeleton.size(); ++i) {
+    if (skeleton.continues[i]) continue;
+    const auto bearer = static_cast<std::size_t>(skeleton.parent[i]);
+    double sum = 0;
+    int count = 0;
+    for (std::int32_t k = next[bearer]; k >= 0 && count < ahead;
+         k = next[static_cast<std::size_t>(k)], ++count)
+      sum += skeleton.radius_px[static_cast<std::size_t>(k)];
+    if (count == 0) continue;
+    const double most = sum / count;
+    for (auto k = static_cast<std::int32_t>(i); k >= 0; k = next[static_cast<std::size_t>(k)]) {
+      double& radius = skeleton.radius_px[static_cast<std::size_t>(k)];
+      radius = std::min(radius, most);
     }
-    std::size_t n = 0;
-    for (auto k = static_cast<std::int32_t>(i); k >= 0; k = next[static_cast<std::size_t>(k)])
-      skeleton.radius_px[static_cast<std::size_t>(k)] = std::min(series[n++], most);
+    double& base = skeleton.radius_px[i];
+    base = std::min(base, 0.999 * skeleton.radius_px[static_cast<std::size_t>(next[bearer])]);
   }
 }
 
@@ -231,7 +232,7 @@ PlaneSkeleton skeletonise(const Silhouette& silhouette, const ImageSkeletonOptio
         parent >= 0 ? last[static_cast<std::size_t>(parent)] : (result.size() > 0 ? 0 : -1);
     last[i] = writer.write(order[i], node, main[i]);
   }
-  taper_axes(result);
+  bound_branches(result);
   if (result.size() < 2) throw SolverError("no tree found: the silhouette holds no line to follow");
   return result;
 }

@@ -220,6 +220,24 @@ void find_horizon(SkyRatio& s) {
   s.horizon_share = static_cast<double>(near) / s.width;
 }
 
+void measure_light(SkyRatio& s, const Photograph& photo) {
+  s.row_light.assign(static_cast<std::size_t>(s.height), 0);
+  std::vector<float> row;
+  for (int y = 0; y < s.height; ++y) {
+    row.clear();
+    for (int x = 0; x < s.width; ++x)
+      if (s.sky[photo.pixel(x, y)]) row.push_back(static_cast<float>(luminance(photo, photo.pixel(x, y))));
+    float& light = s.row_light[static_cast<std::size_t>(y)];
+    if (row.size() > 4) {
+      auto middle = row.begin() + static_cast<std::ptrdiff_t>(row.size() / 2);
+      std::nth_element(row.begin(), middle, row.end());
+      light = std::max(1.0f, *middle);
+    } else {
+      light = y > 0 ? s.row_light[static_cast<std::size_t>(y - 1)] : 255;
+    }
+  }
+}
+
 void measure_border(SkyRatio& s) {
   int sky = 0, all = 0;
   const auto count = [&](int x, int y) {
@@ -262,8 +280,13 @@ std::optional<SkyRatio> find_sky(const Photograph& photo) {
           static_cast<float>(sky.blue(x, y) / (sky.value(x, std::min(y, reach)) * uneven.at(x, y)));
   flood_from_top(result, reach);
   find_horizon(result);
+  measure_light(result, photo);
   measure_border(result);
   return result;
+}
+
+double luminance(const Photograph& photo, std::size_t pixel) {
+  return 0.299 * photo.rgb[3 * pixel] + 0.587 * photo.rgb[3 * pixel + 1] + 0.114 * photo.rgb[3 * pixel + 2];
 }
 
 double separability(const SkyRatio& s) {
