@@ -12,7 +12,7 @@
 #include "cli/stopwatch.h"
 #include "cli/tree_files.h"
 #include "core/atomic_file.h"
-#include "fit/search_space.h"
+#include "fit/direct_estimates.h"
 #include "fit/tree_simulator.h"
 #include "io/metrics_json.h"
 #include "io/write_mesh.h"
@@ -31,7 +31,7 @@ class Run : public Command {
     options.positional("SCAN", scan_,
                        "Point cloud of one tree: .las .laz .ply .pcd .xyz .txt .csv .pts .asc");
     options.path("--output", output_, "Folder for the results", "-o");
-    fit_.budget = "300";
+    fit_.budget = "120";
     fit_.declare(options);
     leaves_.declare(options);
     reconstruct_.declare(options);
@@ -40,7 +40,7 @@ class Run : public Command {
   int run(Session& session) override {
     need_output(output_);
     const ReconstructOptions reconstruct_options = reconstruct_.resolve(session.common());
-    const FitOptions fit_options = fit_.resolve(session.common());
+    const FitOptions fit_options = fit_.resolve(session);
     const LeafOptions leaf_options = leaves_.resolve(session.common());
     Stopwatch watch;
 
@@ -74,7 +74,9 @@ class Run : public Command {
     watch.lap("leaves");
 
     write_run_report(folder, {session, scan_, scan, model, fit, regrown, regrown_metrics, leaves, watch});
-    write_file(folder / "run.toml", run_record(session, {scan_}));
+    std::vector<fs::path> inputs = {scan_};
+    for (const fs::path& other : fit_.inputs()) inputs.push_back(other);
+    write_file(folder / "run.toml", run_record(session, inputs));
     say_all(session, folder, model, fit, regrown_metrics, leaves);
     return 0;
   }
