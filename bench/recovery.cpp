@@ -176,8 +176,8 @@ Settings parse(int argc, char** argv) {
 
 void run(const Settings& settings) {
   std::ifstream in(settings.bank, std::ios::binary);
-  const auto bank =
-      std::make_shared<const PriorBank>(decode_bank({std::istreambuf_iterator<char>(in), {}}, settings.bank));
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  const auto bank = std::make_shared<const PriorBank>(decode_bank(bytes, settings.bank));
   std::set<int> done;
   for (const Line& line : read_table(settings.table)) done.insert(line.truth);
   std::ofstream out(settings.table, std::ios::app);

@@ -14,6 +14,9 @@ constexpr double kPairedShrinkage = 0.1;
 constexpr double kPairCorrelation = 0.6;
 constexpr double kPoorCost = 4;  // 2 sd a descriptor
 constexpr int kFewForPosterior = 100;
+// A tree that lacks more of the descriptors, or is stranger in more of them, is outside what the simulations
+// know: what regressions say there is guessing.
+constexpr double kFewestDescriptors = 0.6, kMostOutlying = 0.15;
 
 /// The posterior's and the prior's reported values, one draw a row.
 struct ReportedDraws {
@@ -47,6 +50,18 @@ double shrinkage(const ReportedDraws& draws, const PosteriorSample& sample, Eige
   return std::clamp(1 - weighted_deviation(draws.posterior.col(column), sample.weights) / prior, 0.0, 1.0);
 }
 
+/// Whether the simulations know trees like the observed one.
+bool within_experience(const FitProblem& problem, const PosteriorSample& sample) {
+  double known = 0, expected = 0;
+  for (std::size_t i = 0; i < descriptor_table().size(); ++i) {
+    if (problem.options.observed_from == ObservedFrom::one_view && !descriptor_table()[i].one_view) continue;
+    ++expected;
+    known += std::isfinite(problem.observed[static_cast<Eigen::Index>(i)]) ? 1 : 0;
+  }
+  return known >= kFewestDescriptors * expected &&
+         static_cast<double>(sample.outlying.size()) <= kMostOutlying * known;
+}
+
 double correlation(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& weights) {
   const Eigen::ArrayXd x = a.array() - weights.dot(a), y = b.array() - weights.dot(b);
   const double scale = std::sqrt(weights.dot(x.square().matrix()) * weights.dot(y.square().matrix()));
@@ -59,6 +74,7 @@ std::vector<FittedParameter> report_parameters(const FitProblem& problem, const 
                                                const IgmParameters& best) {
   const std::vector<ParameterSpec> table = igm_parameter_table(best.equation);
   const ReportedDraws draws = reported_draws(problem, sample);
+  const bool experienced = within_experience(problem, sample);
   std::vector<FittedParameter> report;
   for (std::size_t i = 0; i < draws.rows.size(); ++i) {
     const ReportedRow& row = draws.rows[i];
@@ -86,7 +102,7 @@ std::vector<FittedParameter> report_parameters(const FitProblem& problem, const 
     p.prior_lo = std::min(row.lo, p.lo);
     p.prior_hi = std::max(row.hi, p.hi);
     p.shrinkage = shrinkage(draws, sample, column);
-    p.identifiable = p.shrinkage >= kIdentifiableShrinkage;
+    p.identifiable = experienced && p.shrinkage >= kIdentifiableShrinkage;
     report.push_back(p);
   }
   return report;
@@ -120,18 +136,18 @@ std::vector<DescriptorFit> report_descriptors(const FitProblem& problem, const N
   return report;
 }
 
-void warn(const FitProblem& problem, const NoiseMetric& metric, const PosteriorSample& posterior,
-          TreeFit& fit) {
+void warn(const FitProblem& problem, const PosteriorSample& posterior, TreeFit& fit) {
   fit.warnings = problem.warnings;
   if (fit.prior_simulations < kFewForPosterior)
     fit.warnings.push_back(
         fmt::format("{} simulations are too few to tell what the tree says of each parameter: without a bank "
                     "of prior simulations, a budget of 300 or more gives intervals",
                     fit.prior_simulations));
-  if (metric.used().size() < descriptor_table().size() / 2)
+  if (!within_experience(problem, posterior))
     fit.warnings.emplace_back(
-        "the tree has hardly any branches that can be compared: parameters of branching cannot be told from "
-        "it");
+        "this tree is unlike any the growth model grows (or has hardly any branches to compare): no "
+        "parameter "
+        "can be told from it");
   if (fit.cost_after > kPoorCost) {
     auto worst = fit.descriptors;
     std::stable_sort(worst.begin(), worst.end(), [](const DescriptorFit& a, const DescriptorFit& b) {

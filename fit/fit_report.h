@@ -18,7 +18,6 @@ std::vector<DescriptorFit> report_descriptors(const FitProblem& problem, const N
                                               const Eigen::MatrixXd& before, const Eigen::MatrixXd& after);
 
 /// Adds what a user must know before relying on the result.
-void warn(const FitProblem& problem, const NoiseMetric& metric, const PosteriorSample& posterior,
-          TreeFit& fit);
+void warn(const FitProblem& problem, const PosteriorSample& posterior, TreeFit& fit);
 
 }  // namespace dendrofit

@@ -140,7 +140,7 @@ TreeFit fit_tree(const Tree& observed, const FitOptions& options, Progress& prog
   fit.descriptors = report_descriptors(problem, metric, before, best.simulations);
   fit.posterior_trees = posterior_trees(problem, metric, posterior, best.internode_length_m, log, progress);
   fit.seconds = problem.seconds(log);
-  warn(problem, metric, posterior, fit);
+  warn(problem, posterior, fit);
   return fit;
 }
 

@@ -108,7 +108,9 @@ TEST(Descriptors, are_free_of_scale_place_and_azimuth) {
     if (std::isnan(before[i]))
       EXPECT_TRUE(std::isnan(after[i]));
     else
-      EXPECT_NEAR(before[i], after[i], 1e-6) << descriptor_table()[i].name;
+      // a sample of the wood on the edge of a height band may fall on either side
+      EXPECT_NEAR(before[i], after[i], descriptor_table()[i].name.starts_with("reach_") ? 0.02 : 1e-6)
+          << descriptor_table()[i].name;
   }
 }
 
