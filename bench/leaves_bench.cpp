@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Leaves a CPU second, from 10^3 to 10^6 leaves on a tree of about 20,000 cylinders.
 //
-// usage: leaves_bench [--most N] [--threads N] [--length-m L] [--species NAME]
+// usage: leaves_bench [--most N] [--threads N] [--length-m L] [--species NAME] [--write FOLDER]
+//   --write: the last leaves and their tree, for scripts/check_leaves FOLDER/leaves.obj FOLDER/qsm.csv
+//            --leaves FOLDER/leaves.csv --petioles FOLDER/petioles.obj
 #include "core/random.h"
 #include "core/tree.h"
 #include "forward/leaves/insert_leaves.h"
+#include "io/write_mesh.h"
+#include "io/write_tree.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -80,12 +84,14 @@ double cpu_seconds() {
 int main(int argc, char** argv) {
   std::size_t most = 1'000'000;
   double length = 0.029;
+  std::string folder;
   LeafOptions options;
   options.threads = 1;
   for (int i = 1; i + 1 < argc; i += 2) {
     const std::string key = argv[i];
     if (key == "--most") most = std::strtoull(argv[i + 1], nullptr, 10);
     if (key == "--threads") options.threads = std::atoi(argv[i + 1]);
+    if (key == "--write") folder = argv[i + 1];
     if (key == "--length-m") length = std::atof(argv[i + 1]);
     if (key == "--species") options.traits = leaf_traits(argv[i + 1]);
   }
@@ -112,6 +118,11 @@ int main(int argc, char** argv) {
                 static_cast<double>(result.foliage.size()) / seconds, result.report.poses,
                 usage.ru_maxrss / 1024);
     std::fflush(stdout);
+    if (folder.empty() || 10 * n <= most) continue;
+    write_qsm_csv(folder + "/qsm.csv", tree);
+    write_leaves_csv(folder + "/leaves.csv", result.foliage);
+    write_foliage_obj(folder + "/leaves.obj", result.foliage);
+    write_petioles_obj(folder + "/petioles.obj", result.foliage);
   }
   return 0;
 }

@@ -14,6 +14,7 @@
 #include "core/atomic_file.h"
 #include "fit/direct_estimates.h"
 #include "fit/tree_simulator.h"
+#include "forward/leaves/measured_profile.h"
 #include "io/metrics_json.h"
 #include "io/write_mesh.h"
 
@@ -41,7 +42,7 @@ class Run : public Command {
     need_output(output_);
     const ReconstructOptions reconstruct_options = reconstruct_.resolve(session.common());
     const FitOptions fit_options = fit_.resolve(session);
-    const LeafOptions leaf_options = leaves_.resolve(session.common());
+    LeafOptions leaf_options = leaves_.resolve(session.common());
     Stopwatch watch;
 
     const PointCloud scan = reconstruct_.read_scan(session, scan_, session.progress());
@@ -67,6 +68,11 @@ class Run : public Command {
     say_metrics(session, regrown.tree, regrown_metrics);
     watch.lap("regrow");
 
+    // A leaf-on scan shows at which heights its tree carries leaves: so does the regrown one.
+    if (!model.leaf_points.empty() && !leaf_options.profile.height) {
+      leaf_options.profile.height = measured_heights(model.leaf_points, model.tree);
+      session.say(fmt::format("  leaf heights follow the scan's {} leaf points", model.leaf_points.size()));
+    }
     const LeafResult leaves = insert_leaves(regrown.tree, leaf_options, session.progress());
     write_leaf_files(folder, leaves.foliage, leaves_json(leaves), {"obj", "glb"});
     write_scene_glb(folder / "regrown_with_leaves.glb", regrown.tree, leaves.foliage);

@@ -71,7 +71,10 @@ std::string run_record(const Session& session, const std::vector<fs::path>& inpu
         option.name == "--json" || option.name == "--force" || option.name == "--output" ||
         option.name == "--resume")
       continue;
-    toml.entry(option.name.substr(2), TomlValue(value));
+    if (option.current_list)
+      toml.entry(option.name.substr(2), TomlValue(option.current_list()));
+    else
+      toml.entry(option.name.substr(2), TomlValue(value));
   }
   for (const fs::path& input : inputs) {
     toml.array_table("input");

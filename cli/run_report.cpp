@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -42,7 +44,51 @@ std::vector<ReportParameter> parameters_of(const TreeFit& fit) {
   return rows;
 }
 
+constexpr int kOtherSeeds = 8;
+
+struct Range {
+  double lo = std::numeric_limits<double>::infinity();
+  double hi = -std::numeric_limits<double>::infinity();
+  void add(double x) {
+    lo = std::min(lo, x);
+    hi = std::max(hi, x);
+  }
+};
+
+/// Heights and diameters of trees of the same parameters and other seeds, cycle by cycle: what chance alone
+/// makes.
+struct ChanceBands {
+  std::map<int, Range> height, diameter;
+};
+
+ChanceBands grow_with_other_seeds(const RunResults& r) {
+  ChanceBands bands;
+  const auto widen = [&](const std::vector<GrowthRecord>& series) {
+    for (const GrowthRecord& record : series) {
+      bands.height[record.cycle].add(record.height_m);
+      if (record.dbh_m) bands.diameter[record.cycle].add(100 * *record.dbh_m);
+    }
+  };
+  widen(r.regrown.series);
+  for (int k = 1; k <= kOtherSeeds; ++k) {
+    IgmOptions options;
+    options.seed = r.fit.best_seed + static_cast<std::uint64_t>(k);
+    widen(grow_igm(r.fit.best, {}, options, r.session.progress()).series);
+  }
+  return bands;
+}
+
+void set_band(ReportCurve& curve, const std::map<int, Range>& bands) {
+  curve.band = fmt::format("range over {} seeds", kOtherSeeds + 1);
+  for (const double time : curve.time) {
+    const Range& at = bands.at(static_cast<int>(time));
+    curve.lo.push_back(at.lo);
+    curve.hi.push_back(at.hi);
+  }
+}
+
 std::vector<ReportCurve> curves_of(const RunResults& r) {
+  const ChanceBands bands = grow_with_other_seeds(r);
   ReportCurve height;
   height.name = "height";
   ReportCurve diameter;
@@ -56,6 +102,8 @@ std::vector<ReportCurve> curves_of(const RunResults& r) {
     diameter.time.push_back(record.cycle);
     diameter.value.push_back(100 * *record.dbh_m);
   }
+  set_band(height, bands.height);
+  set_band(diameter, bands.diameter);
   const double now = r.regrown.series.empty() ? 0 : r.regrown.series.back().cycle;
   height.measured = {{now, r.model.metrics.height_m}};
   if (r.model.metrics.dbh_m) diameter.measured = {{now, 100 * *r.model.metrics.dbh_m}};

@@ -3,6 +3,7 @@
 
 #include "core/errors.h"
 #include "io/cloud_formats.h"
+#include "io/glb_info.h"
 #include "io/las_format.h"
 #include "io/ply_file.h"
 #include "io/read_cloud.h"
@@ -44,8 +45,26 @@ void describe_cloud(FileInfo& info, const FileBytes& bytes) {
     std::string step;
     append_number(step, header.scale[0]);
     info.details.emplace_back("coordinate step", step);
+    LasFrame frame;
+    for (int k = 0; k < 3; ++k) {
+      frame.step[k] = header.scale[k];
+      frame.offset[k] = header.offset[k];
+    }
+    for (const LasRecord& record : header.projection)
+      frame.projection.emplace_back(record.id, record.content);
+    info.frame = frame;
     if (!header.software.empty()) info.details.emplace_back("written by", header.software);
   }
+}
+
+void describe_glb(FileInfo& info, const FileBytes& bytes) {
+  const GlbInfo glb = read_glb_info(bytes);
+  info.kind = "mesh";
+  info.format = "glb";
+  info.rows = glb.triangles;
+  info.bounds = glb.bounds;
+  info.details.emplace_back("vertices", std::to_string(glb.vertices));
+  if (glb.instances > 0) info.details.emplace_back("instances", std::to_string(glb.instances));
 }
 
 void describe_tree(FileInfo& info, const std::filesystem::path& path) {
@@ -90,7 +109,9 @@ FileInfo describe_file(const std::filesystem::path& path) {
   FileInfo info;
   info.bytes = bytes.size();
   const std::string_view view = bytes.view();
-  if (view.starts_with("LASF") || view.starts_with("ASTM-E57")) {
+  if (view.starts_with("glTF")) {
+    describe_glb(info, bytes);
+  } else if (view.starts_with("LASF") || view.starts_with("ASTM-E57")) {
     describe_cloud(info, bytes);
   } else if (view.starts_with("ply")) {
     const PlyElement* face = nullptr;

@@ -12,7 +12,7 @@ namespace {
 constexpr double kShortest = 1e-4;
 
 double cylinder_length(double radius) {
-  return std::clamp(3 * radius, 0.04, 0.15);
+  return std::clamp(3 * radius, 0.08, 0.15);
 }
 
 /// The cylinder of `cylinders` whose axis passes nearest to `point`.

@@ -115,7 +115,7 @@ Parts connected_parts(const PointGraph& graph, const std::vector<char>& open) {
 Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
                      const std::vector<Bridge>& bridges, const std::vector<char>& open,
                      const std::vector<std::uint32_t>& sources, Progress& progress) {
-  constexpr double kTurnWeight = 6.0;
+  constexpr double kTurnWeight = 12.0;
   constexpr double kMemory_m = 0.15;  // the way is judged against about this much of it before
   const std::size_t n = points.size();
   constexpr float kFar = std::numeric_limits<float>::infinity();

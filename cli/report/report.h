@@ -24,7 +24,7 @@ struct ReportParameter {
   std::string unit;
   std::string meaning;
   double value = 0;
-  std::optional<double> lo;  ///< 95 % interval of the fit
+  std::optional<double> lo;  ///< 90 % interval of the fit
   std::optional<double> hi;
   std::optional<double> prior_lo;  ///< bounds (or prior interval) before the fit
   std::optional<double> prior_hi;
@@ -42,6 +42,7 @@ struct ReportCurve {
   std::vector<double> cap;    ///< what the growth equation allows to be added each cycle
   std::vector<double> lo;     ///< band about `value`
   std::vector<double> hi;
+  std::string band = "95 % band";  ///< what the band is
   std::vector<std::pair<double, double>>
       measured;  ///< (time, value) points, e.g. the scan's height at its age
 };
@@ -62,7 +63,7 @@ struct ReportStage {
 struct ReportProvenance {
   std::string program = "dendrofit";
   std::string version;
-  std::uint64_t seed = 1;
+  std::optional<std::uint64_t> seed;
   std::string command_line;
   std::string input_name;
   std::string input_checksum;  ///< with its kind: "sha256:..."

@@ -51,14 +51,14 @@ Vec3 foot_of(const Tree& tree) {
   return tree.origin_shift + tree.start[0];
 }
 
-std::string wood(const Tree& tree, Blob& blob) {
+std::string wood(const Tree& tree, const Vec3& foot, Blob& blob) {
   std::vector<std::size_t> order(tree.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return tree.birth_cycle[a] < tree.birth_cycle[b]; });
   std::vector<std::int32_t> place(tree.size());
   for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<std::int32_t>(k);
-  const Vec3 shift = tree.origin_shift - foot_of(tree);
+  const Vec3 shift = tree.origin_shift - foot;
   std::vector<Vec3> ends;
   std::vector<float> radius;
   std::vector<float> radius_se;
@@ -93,9 +93,19 @@ std::string wood(const Tree& tree, Blob& blob) {
          ",\"continues\":" + blob.add("u8", continues) + "}";
 }
 
+/// 0..n-1 in random order, so that any first part of what it orders is an even sample.
+std::vector<std::size_t> shuffled(std::size_t n) {
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  Random random(20240502);
+  for (std::size_t k = n; k > 1; --k) std::swap(order[k - 1], order[random.below(k)]);
+  return order;
+}
+
 std::string leaves(const Foliage& foliage, const Vec3& foot, std::size_t limit, Blob& blob,
                    std::size_t& shown) {
   std::vector<Vec3> origins;
+  std::vector<Vec3> feet;
   std::vector<std::int8_t> frame;
   std::vector<float> length;
   std::vector<std::uint8_t> shape;
@@ -103,9 +113,10 @@ std::string leaves(const Foliage& foliage, const Vec3& foot, std::size_t limit, 
   // Fewer leaves are drawn larger, so that the crown keeps its leaf area.
   const double larger =
       shown ? std::sqrt(static_cast<double>(foliage.size()) / static_cast<double>(shown)) : 1;
-  for (std::size_t k = 0; k < shown; ++k) {
+  for (const std::size_t k : shuffled(shown)) {
     const Leaf& leaf = foliage.leaves[k * foliage.size() / shown];
     origins.push_back(leaf.origin + foliage.origin_shift - foot);
+    feet.push_back(leaf.petiole_foot + foliage.origin_shift - foot);
     for (const Vec3& axis : {leaf.direction, leaf.normal})
       for (int c = 0; c < 3; ++c)
         frame.push_back(static_cast<std::int8_t>(std::lround(127 * std::clamp(axis[c], -1.0, 1.0))));
@@ -123,9 +134,9 @@ std::string leaves(const Foliage& foliage, const Vec3& foot, std::size_t limit, 
     shapes += (shapes.empty() ? "" : ",") + std::string("{\"vertices\":[") + vertices + "],\"triangles\":[" +
               triangles + "]}";
   }
-  return "{\"origins\":" + quantised(origins, blob) + ",\"frame\":" + blob.add("i8", frame) +
-         ",\"length\":" + blob.add("f32", length) + ",\"shape\":" + blob.add("u8", shape) + ",\"shapes\":[" +
-         shapes + "]}";
+  return "{\"origins\":" + quantised(origins, blob) + ",\"feet\":" + quantised(feet, blob) +
+         ",\"frame\":" + blob.add("i8", frame) + ",\"length\":" + blob.add("f32", length) +
+         ",\"shape\":" + blob.add("u8", shape) + ",\"shapes\":[" + shapes + "]}";
 }
 
 std::string scan(const PointCloud& cloud, const Vec3& foot, std::size_t limit, Blob& blob,
@@ -134,7 +145,7 @@ std::string scan(const PointCloud& cloud, const Vec3& foot, std::size_t limit, B
   std::vector<Vec3> points;
   points.reserve(shown);
   const Random random(20240501);
-  for (std::size_t k = 0; k < shown; ++k) {
+  for (const std::size_t k : shuffled(shown)) {
     // One point at random out of each of `shown` equal runs of the file.
     const std::size_t first = k * cloud.size() / shown;
     const std::size_t next = (k + 1) * cloud.size() / shown;
@@ -166,8 +177,8 @@ ScenePayload scene_payload(const ReportData& data, const ReportOptions& options)
   if (data.scan && !data.scan->empty())
     layers.push_back("\"scan\":" + scan(*data.scan, foot, static_cast<std::size_t>(options.max_scan_points),
                                         blob, payload.scan_shown));
-  if (model) layers.push_back("\"model\":" + wood(*model, blob));
-  if (regrown) layers.push_back("\"regrown\":" + wood(*regrown, blob));
+  if (model) layers.push_back("\"model\":" + wood(*model, foot_of(*model), blob));
+  if (regrown) layers.push_back("\"regrown\":" + wood(*regrown, foot_of(*regrown), blob));
   if (data.foliage && data.foliage->size() > 0) {
     const bool on_model = data.leaves_on_model || !regrown;
     const Tree* bearer = on_model ? model : regrown;
@@ -175,6 +186,8 @@ ScenePayload scene_payload(const ReportData& data, const ReportOptions& options)
     layers.push_back("\"leaves\":" + leaves(*data.foliage, leaf_foot,
                                             static_cast<std::size_t>(options.max_leaves), blob,
                                             payload.leaves_shown));
+    if (!data.foliage->twigs.empty())
+      layers.push_back("\"shoots\":" + wood(data.foliage->twigs, leaf_foot, blob));
     layers.push_back(std::string("\"leaves_on\":\"") + (on_model ? "model" : "regrown") + "\"");
   }
   for (const std::string& layer : layers)

@@ -33,8 +33,13 @@ async function canvasPixels(page) {
   }, png);
 }
 
+/// Until the picture is at rest: all of it drawn.
 const settle = (page) => page.evaluate(() => new Promise((done) => {
-  requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 60)));
+  const wait = () => {
+    if (document.getElementById('viewer').dataset.moving === 'yes') setTimeout(wait, 50);
+    else requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 60)));
+  };
+  setTimeout(wait, 20);
 }));
 
 const checks = {

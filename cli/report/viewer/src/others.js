@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The scan's points, the leaves, the ground.
 import {
-  BufferAttribute, BufferGeometry, Color, GridHelper, Group, InstancedMesh, Matrix4, Mesh,
+  BufferAttribute, BufferGeometry, Color, GridHelper, Group, InstancedMesh, LineBasicMaterial, LineSegments, Matrix4, Mesh,
   MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, Points, ShaderMaterial, Vector3,
 } from 'three';
 import { place } from './data.js';
@@ -33,6 +33,13 @@ export function scanPoints(set, colour, height) {
   points.position.fromArray(set.lo);
   points.scale.fromArray(set.step);
   points.frustumCulled = false;
+  // Points come in random order: the first of them are an even sample. Fewer are drawn larger.
+  points.setDetail = (share) => {
+    const count = set.data.length / 3;
+    const shown = Math.min(count, Math.max(20000, Math.round(share * count)));
+    geometry.setDrawRange(0, shown);
+    material.uniforms.size.value = 0.012 * Math.min(2.5, Math.sqrt(count / Math.max(1, shown)));
+  };
   return points;
 }
 
@@ -46,6 +53,7 @@ function leafGeometry(shape) {
 
 export function leafMeshes(data, colour) {
   const group = new Group();
+  const blades = [];
   const at = [0, 0, 0];
   const direction = new Vector3();
   const normal = new Vector3();
@@ -70,8 +78,30 @@ export function leafMeshes(data, colour) {
     });
     mesh.frustumCulled = false;
     group.add(mesh);
+    blades.push([mesh, members.length]);
   });
+  // Leaves come in random order, as the points do.
+  group.setDetail = (share) => {
+    for (const [mesh, count] of blades) mesh.count = Math.min(count, Math.max(2000, Math.round(share * count)));
+    stalks.visible = share > 0.5;
+  };
+  const stalks = petioles(data, colour);
+  group.add(stalks);
   return group;
+}
+
+function petioles(data, colour) {
+  const ends = new Float32Array(6 * data.shape.length);
+  const at = [0, 0, 0];
+  for (let k = 0; k < data.shape.length; ++k) {
+    ends.set(place(data.feet, k, at), 6 * k);
+    ends.set(place(data.origins, k, at), 6 * k + 3);
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(ends, 3));
+  const lines = new LineSegments(geometry, new LineBasicMaterial({ color: new Color(colour).multiplyScalar(0.75) }));
+  lines.frustumCulled = false;
+  return lines;
 }
 
 /// A pale floor with a grid whose cells are a metre (or a round part or multiple of it).
