@@ -47,7 +47,7 @@ PhotoReconstruction reconstruct_photo(const Photograph& photo, const Reconstruct
                              .horizon_px = silhouette.horizon_px});
   result.metric = result.frame.scale_source != "none";
   result.outline = measure_outline(silhouette, outline, result.skeleton, result.frame);
-  tell_scale(result.frame, silhouette, result.warnings);
+  tell_scale(result.frame, silhouette, result.outline, result.warnings);
   if (silhouette.leafy) return result;
 
   result.tree = lift(result.skeleton, result.frame,
