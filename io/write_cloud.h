@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/point_cloud.h"
+#include "core/progress.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -32,6 +33,6 @@ struct WriteCloudOptions {
 /// (.xyz .txt .asc with blanks, .csv with commas and a header). Throws IoError for another extension or an
 /// unwritable file, InputError for an invalid cloud.
 void write_point_cloud(const std::filesystem::path& path, const PointCloud& cloud,
-                       const WriteCloudOptions& options = {});
+                       const WriteCloudOptions& options = {}, Progress& progress = no_progress());
 
 }  // namespace dendrofit

@@ -6,7 +6,9 @@
 #include "recon/image_agreement.h"
 #include "recon/image_foot.h"
 #include "recon/image_poses.h"
+#include "recon/image_redundancy.h"
 #include "recon/image_settle.h"
+#include "recon/image_tips.h"
 #include "recon/view_checks.h"
 
 #include <algorithm>
@@ -48,8 +50,8 @@ Tree in_frame_of(const Tree& tree, const Vec3& origin_shift) {
   return moved;
 }
 
-Reconstruction tree_of_hull(const Hull& hull, const Work& work, const Vec3& origin_shift,
-                            const ViewsOptions& options, Progress& progress) {
+/// The hull's skin above the ground.
+PointCloud surface_of(const Hull& hull, const Work& work, const Vec3& origin_shift) {
   if (hull.cells.empty())
     throw SolverError("no place lies inside all masks: the poses or the masks do not belong together");
   PointCloud cloud;
@@ -57,7 +59,7 @@ Reconstruction tree_of_hull(const Hull& hull, const Work& work, const Vec3& orig
   const std::optional<MaskFoot> foot = foot_of_masks(work.cameras, work.outlines);
   for (const Vec3& cell : hull.cells)
     if (!foot || cell.z() >= foot->position.z()) cloud.points.push_back(cell);
-  return reconstruct(cloud, options.cloud, progress);
+  return cloud;
 }
 
 /// Views that look at a tree from few sides need all of them to agree.
@@ -106,8 +108,7 @@ Agreement settle_poses(Work& work, const ViewSet& set, const ViewsOptions& optio
     }
   }
   for (int round = 0; round < kRefinements; ++round) {
-    const Tree rough = in_frame_of(tree_of_hull(loose.hull, work, set.origin_shift, options, progress).tree,
-                                   set.origin_shift);
+    const Tree rough = in_frame_of(reconstruct(surface_of(loose.hull, work, set.origin_shift), options.cloud, progress).tree, set.origin_shift);
     Work tried = work;
     tried.cameras = adjust(rough, work, options, progress);
     Agreement now = agreement(tried.cameras, tried.outlines, carving, progress);
@@ -137,8 +138,16 @@ Tree settle_on_views(Tree tree, const Work& work, const ViewsOptions& options, V
     const std::size_t before = tree.size();
     tree = subset(tree, keep);
     result.shadows += before - tree.size();
+    if (!getenv("NORED")) {
+    const std::vector<char> needed = needed_by_views(tree, work.cameras, options.cloud.threads);
+    const std::size_t b4 = tree.size();
+    tree = subset(tree, needed);
+    result.shadows += b4 - tree.size();
+    assign_axes_by_thickness(tree);
+    }
     centre_on_views(tree, sight(kReachPx));
     settle_radii_from_views(tree, sight(0.5 * kReachPx));
+    if (round == 0 && !getenv("NOTIP")) extend_tips(tree, work.cameras, work.outlines);
   }
   assign_axes_by_thickness(tree);
   return tree;
@@ -178,7 +187,8 @@ ViewsReconstruction reconstruct_views(const ViewSet& set, const ViewsOptions& op
   result.tolerance_px = agreed.tolerance_px;
   result.cell_m = agreed.hull.cell_m;
 
-  Reconstruction carved = tree_of_hull(agreed.hull, work, set.origin_shift, options, progress);
+  result.surface = surface_of(agreed.hull, work, set.origin_shift);
+  Reconstruction carved = reconstruct(result.surface, options.cloud, progress);
   Tree tree = settle_on_views(in_frame_of(carved.tree, set.origin_shift), work, options, result, progress);
 
   const Sightings seen =

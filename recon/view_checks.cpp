@@ -58,9 +58,16 @@ void check_depth(const std::vector<Camera>& cameras, const std::vector<Outline>&
                    " cm): pictures from one place show no depth; walk around the tree, 8 places or more");
 }
 
-Outline outline_of(const View& view, std::vector<std::string>& /*warnings*/) {
+Outline outline_of(const View& view, std::vector<std::string>& warnings) {
   if (!view.photo.mask.empty()) return {view.photo.mask, view.photo.width, view.photo.height};
-  throw InputError(view.photo.name + ": has no mask; give one a view (\"mask\" in cameras.json)");
+  try {
+    const Silhouette silhouette = find_silhouette(view.photo);
+    for (const std::string& warning : silhouette.warnings)
+      warnings.push_back(view.photo.name + ": " + warning);
+    return {silhouette.tree, silhouette.width, silhouette.height};
+  } catch (const SolverError& error) {
+    throw SolverError(view.photo.name + ": " + error.what());
+  }
 }
 
 void warn_of_borders(const ViewSet& set, const std::vector<Outline>& outlines,

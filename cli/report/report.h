@@ -95,6 +95,7 @@ struct ReportData {
   std::vector<std::pair<std::string, std::string>> leaf_facts;  ///< e.g. ("Leaf area", "34.2 m2")
   std::vector<std::string> warnings;                            ///< plain words
   std::string side_by_side_png;  ///< bytes of the picture; empty: none in the report
+  std::string overlay_png;       ///< bytes of the model drawn over its photograph; empty: no photograph
   ReportProvenance provenance;
 };
 
