@@ -121,7 +121,7 @@ void estimate_scan_intervals(const Tree& tree, const std::optional<SliceDiameter
                       : std::hypot(0.15 * d, noise_m);
     metrics.intervals["dbh_m"] = about(d, se, se);
   }
-  const double hidden_tip = seen.in_leaf ? 0.02 * metrics.height_m : 0;
+  const double hidden_tip = seen.in_leaf ? 0.035 * metrics.height_m : 0;
   metrics.intervals["height_m"] = about(metrics.height_m, 0.006 + 0.5 * (spacing_m + noise_m),
                                         0.008 + 2 * spacing_m + 0.5 * noise_m + hidden_tip);
   const Part stem = part_of(tree, true, noise_m), branches = part_of(tree, false, noise_m);
