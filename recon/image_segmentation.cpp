@@ -234,12 +234,14 @@ Silhouette from_sky(const Photograph& photo, const SegmentationOptions& options)
   bool followed = false;
   for (std::size_t g = 0; g < groups.size() && groups[g].height() > 0.4 * groups.front().height(); ++g) {
     const auto stem = find_crossing(sky, group, static_cast<std::int32_t>(g), options.root_px);
-    if (stem && stem->last - stem->first < kSlender * groups[g].height())
-      followed = follow_stem_down(photo, *stem, s.tree) > stem->row || followed;
+    if (!stem || stem->last - stem->first >= kSlender * groups[g].height()) continue;
+    const int down = follow_stem_down(photo, *stem, s.tree) - stem->row;
+    followed = followed || down > std::max(2 * (stem->last - stem->first), photo.height / 50);
   }
   if (!followed)
     s.warnings.push_back(
-        "the stem is not seen below the horizon: foot and height are uncertain; give --mask");
+        "the stem is not told from what is behind it below the horizon: foot and height are uncertain; give "
+        "--mask");
   s.horizon_px = clear_horizon(sky);
   set_cover(s, sky);
   std::size_t standing = 0;  // on the tall groups: one tree each
