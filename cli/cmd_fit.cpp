@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// dendrofit fit SCAN|qsm.csv -o DIR
+// dendrofit fit SCAN|PHOTO|qsm.csv -o DIR
 #include "cli/commands.h"
 #include "cli/fit_settings.h"
+#include "cli/observed_tree.h"
 #include "cli/output_folder.h"
 #include "cli/parse.h"
-#include "cli/reconstruct_settings.h"
 #include "cli/tree_files.h"
 #include "core/atomic_file.h"
 #include "fit/direct_estimates.h"
@@ -13,6 +13,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -31,23 +32,34 @@ std::string read_bytes(const fs::path& file) {
 class Fit : public Command {
  public:
   void declare(OptionTable& options) override {
-    options.positional("TREE", input_, "Scan of a tree, or its model (qsm.csv or any QSM format)");
+    options.positional("TREE", input_,
+                       "Scan or photograph of a tree, or its model (qsm.csv or any QSM format)", false);
     options.path("--output", output_, "Folder for the results", "-o");
     fit_.declare(options);
     options.flag("--resume", resume_,
                  "Go on with an interrupted fit: the same command, with the same output folder");
     reconstruct_.declare(options);
+    photo_.declare(options);
   }
 
   int run(Session& session) override {
     need_output(output_);
+    photo_.check(input_);
     FitOptions options = fit_.resolve(session);
-    const FileInfo info = describe_file(input_, session.progress());
+    std::optional<Tree> model;
+    if (!photo_.asked_for(input_)) model = describe_file(input_, session.progress()).tree;
     const fs::path folder = prepare_folder(session);
     const fs::path checkpoint = folder / kCheckpoint;
     if (resume_) options.resume_from = read_bytes(checkpoint);
     options.on_checkpoint = [&](std::string_view bytes) { write_file(checkpoint, bytes); };
-    const Tree observed = info.tree ? *info.tree : reconstruct_first(session, folder);
+    std::vector<fs::path> inputs = {input_};
+    if (!model) {
+      ObservedTree observed = observe_tree(session, input_, reconstruct_, photo_, folder, {});
+      if (observed.one_view) options.observed_from = ObservedFrom::one_view;
+      inputs = observed.inputs;
+      model = std::move(observed.model.tree);
+    }
+    const Tree& observed = *model;
 
     const TreeFit fit = fit_tree(observed, options, session.progress());
     write_fit(folder, fit);
@@ -55,7 +67,6 @@ class Fit : public Command {
         regrow(fit.best, estimate_directly(observed, fit.best.rho_m), fit.best_seed, session.progress()).tree;
     fs::create_directories(folder / "regrown");
     write_tree_files(folder / "regrown", regrown, measure(regrown), {});
-    std::vector<fs::path> inputs = {input_};
     for (const fs::path& other : fit_.inputs()) inputs.push_back(other);
     write_file(folder / "run.toml", run_record(session, inputs));
     fs::remove(checkpoint);
@@ -75,19 +86,11 @@ class Fit : public Command {
     return prepare_output_folder(output_, common);
   }
 
-  Tree reconstruct_first(Session& session, const fs::path& folder) const {
-    const PointCloud scan = reconstruct_.read_scan(session, input_, session.progress());
-    const Reconstruction result =
-        reconstruct(scan, reconstruct_.resolve(session.common()), session.progress());
-    write_reconstruction(folder, result, {});
-    say_reconstruction(session, result);
-    return result.tree;
-  }
-
   fs::path input_, output_;
   bool resume_ = false;
   FitSettings fit_;
   ReconstructSettings reconstruct_;
+  PhotoSettings photo_;
 };
 
 }  // namespace

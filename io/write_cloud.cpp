@@ -7,6 +7,7 @@
 #include "io/text_numbers.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -248,9 +249,20 @@ void write_text(std::ostream& out, const PointCloud& cloud, char delimiter, Prog
 
 }  // namespace
 
+void check_cloud_format(const std::filesystem::path& path) {
+  const std::string extension = lower(path.extension().string());
+  constexpr std::array kKnown{".las", ".laz", ".ply", ".pcd", ".xyz", ".txt", ".asc", ".csv"};
+  if (std::find(kKnown.begin(), kKnown.end(), extension) == kKnown.end())
+    throw IoError(path.string() +
+                  ": clouds are written as .las, .laz, .ply, .pcd, .xyz, .txt, .asc or .csv, not '" +
+                  extension + "'");
+  if (extension == ".laz" && !can_write_laz()) fail_without_laz_writer(path);
+}
+
 void write_point_cloud(const std::filesystem::path& path, const PointCloud& cloud,
                        const WriteCloudOptions& options, Progress& progress) {
   cloud.validate();
+  check_cloud_format(path);
   if (cloud.empty()) throw InputError(path.string() + ": a point cloud without points is not written");
   const std::string extension = lower(path.extension().string());
   const auto write = [&](auto&& body) {
@@ -261,7 +273,6 @@ void write_point_cloud(const std::filesystem::path& path, const PointCloud& clou
   if (extension == ".las")
     return write([&](std::ostream& out) { write_las(out, cloud, options.frame, progress); });
   if (extension == ".laz") {
-    if (!can_write_laz()) fail_without_laz_writer(path);
     AtomicFile plain(path.string() + ".las");  // never committed: gone when the compressed file stands
     write_las(plain.stream(), cloud, options.frame, progress);
     plain.stream().flush();
@@ -270,11 +281,7 @@ void write_point_cloud(const std::filesystem::path& path, const PointCloud& clou
   if (extension == ".ply") return write([&](std::ostream& out) { write_ply(out, cloud, progress); });
   if (extension == ".pcd") return write([&](std::ostream& out) { write_pcd(out, cloud, progress); });
   if (extension == ".csv") return write([&](std::ostream& out) { write_text(out, cloud, ',', progress); });
-  if (extension == ".xyz" || extension == ".txt" || extension == ".asc")
-    return write([&](std::ostream& out) { write_text(out, cloud, ' ', progress); });
-  throw IoError(path.string() +
-                ": clouds are written as .las, .laz, .ply, .pcd, .xyz, .txt, .asc or .csv, not '" +
-                extension + "'");
+  write([&](std::ostream& out) { write_text(out, cloud, ' ', progress); });
 }
 
 }  // namespace dendrofit

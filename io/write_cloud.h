@@ -27,6 +27,10 @@ struct WriteCloudOptions {
   std::optional<LasFrame> frame;
 };
 
+/// Throws IoError where the extension is none that write_point_cloud() knows or can write here: for commands
+/// that work long before they write.
+void check_cloud_format(const std::filesystem::path& path);
+
 /// Writes by extension, in world coordinates: .las (with class and intensity; 1.2, or 1.4 where a WKT
 /// coordinate system or a class above 31 needs it), .laz (where the build has LASzip), .ply (binary, double
 /// coordinates, the coordinate system as a comment), .pcd (binary, double coordinates) or columns of numbers

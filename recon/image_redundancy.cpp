@@ -42,9 +42,12 @@ Coverage cover(const Tree& tree, const std::vector<Axis>& axes, const Camera& ca
           std::max(0.71, tree.radius[i] * camera.fx / camera.depth(0.5 * (tree.start[i] + tree.end[i])));
       const Eigen::Vector2d run = *to - *from;
       const double square = std::max(1e-12, run.squaredNorm());
-      const Eigen::Vector2d lo = from->cwiseMin(*to).array() - reach, hi = from->cwiseMax(*to).array() + reach;
-      for (int y = std::max(0, static_cast<int>(lo.y())); y <= std::min<double>(camera.height - 1, hi.y()); ++y)
-        for (int x = std::max(0, static_cast<int>(lo.x())); x <= std::min<double>(camera.width - 1, hi.x()); ++x) {
+      const Eigen::Vector2d lo = from->cwiseMin(*to).array() - reach,
+                            hi = from->cwiseMax(*to).array() + reach;
+      for (int y = std::max(0, static_cast<int>(lo.y())); y <= std::min<double>(camera.height - 1, hi.y());
+           ++y)
+        for (int x = std::max(0, static_cast<int>(lo.x())); x <= std::min<double>(camera.width - 1, hi.x());
+             ++x) {
           const Eigen::Vector2d p(x + 0.5, y + 0.5);
           const double t = std::clamp((p - *from).dot(run) / square, 0.0, 1.0);
           if ((*from + t * run - p).squaredNorm() <= reach * reach) mine.push_back(index(x, y));
@@ -52,7 +55,8 @@ Coverage cover(const Tree& tree, const std::vector<Axis>& axes, const Camera& ca
       for (int k = 0; k < kStations; ++k) {
         const Eigen::Vector2d p = *from + (k + 0.5) / kStations * run;
         const int x = static_cast<int>(std::floor(p.x())), y = static_cast<int>(std::floor(p.y()));
-        if (x >= 0 && y >= 0 && x < camera.width && y < camera.height) view.stations[a].push_back(index(x, y));
+        if (x >= 0 && y >= 0 && x < camera.width && y < camera.height)
+          view.stations[a].push_back(index(x, y));
       }
     }
     std::sort(mine.begin(), mine.end());
@@ -73,8 +77,11 @@ std::vector<char> needed_by_views(const Tree& tree, const std::vector<Camera>& c
   const std::vector<double> beyond = length_beyond(tree);
   std::vector<std::size_t> order(axes.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto length_of = [&](std::size_t a) { return beyond[static_cast<std::size_t>(axes[a].nodes.front())]; };
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return length_of(a) < length_of(b); });
+  const auto length_of = [&](std::size_t a) {
+    return beyond[static_cast<std::size_t>(axes[a].nodes.front())];
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return length_of(a) < length_of(b); });
   std::vector<char> bears(axes.size(), 0), keep(tree.size(), 1);
   for (const std::size_t a : order) {
     const std::int32_t bearer = axes[a].parent_axis;
@@ -82,8 +89,10 @@ std::vector<char> needed_by_views(const Tree& tree, const std::vector<Camera>& c
     for (const Coverage& view : views) {
       if (shown >= kViews) break;
       const auto& stations = view.stations[a];
-      const auto free = std::count_if(stations.begin(), stations.end(), [&](auto p) { return view.count[p] <= 1; });
-      shown += !stations.empty() && static_cast<double>(free) >= kExposed * static_cast<double>(stations.size());
+      const auto free =
+          std::count_if(stations.begin(), stations.end(), [&](auto p) { return view.count[p] <= 1; });
+      shown +=
+          !stations.empty() && static_cast<double>(free) >= kExposed * static_cast<double>(stations.size());
     }
     if (shown >= kViews) {
       if (bearer >= 0) bears[static_cast<std::size_t>(bearer)] = 1;

@@ -89,9 +89,11 @@ void warn_of_borders(const ViewSet& set, const std::vector<Outline>& outlines,
     warnings.push_back("tree touches a side border in " + sides + ": these views say nothing beyond it");
 }
 
-std::string odd_view_warning(const ViewSet& set, std::size_t view, double share) {
-  return name_of(set, view) + " contradicts the others: they explain " + percent(share) +
-         " of its mask; its pose or mask is wrong, and it was left out";
+std::string odd_view_warning(const ViewSet& set, std::size_t view, double explained, double missing) {
+  return name_of(set, view) + " contradicts the others and was left out: they explain " + percent(explained) +
+         " of its mask, and " + percent(missing) +
+         " of what they show lies outside it; its pose is wrong, or its mask (give \"mask\" in the cameras "
+         "file)";
 }
 
 std::string disagreement_warning(const ViewSet& set, const std::vector<std::size_t>& views,
