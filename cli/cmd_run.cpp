@@ -13,7 +13,7 @@
 #include "cli/stopwatch.h"
 #include "cli/tree_files.h"
 #include "core/atomic_file.h"
-#include "fit/search_space.h"
+#include "fit/direct_estimates.h"
 #include "fit/tree_simulator.h"
 #include "forward/leaves/measured_profile.h"
 #include "io/metrics_json.h"
@@ -36,7 +36,7 @@ class Run : public Command {
         "photograph (.jpg .png)",
         false);
     options.path("--output", output_, "Folder for the results", "-o");
-    fit_.budget = "300";
+    fit_.budget = "120";
     fit_.declare(options);
     leaves_.declare(options);
     reconstruct_.declare(options);
@@ -47,13 +47,14 @@ class Run : public Command {
     need_output(output_);
     photo_.check(scan_);
     reconstruct_.resolve(session.common());
-    const FitOptions fit_options = fit_.resolve(session.common());
+    FitOptions fit_options = fit_.resolve(session);
     LeafOptions leaf_options = leaves_.resolve(session.common());
     Stopwatch watch;
 
     const fs::path folder = prepare_output_folder(output_, session.common());
     const ObservedTree observed = observe_tree(session, scan_, reconstruct_, photo_, folder, {"obj", "glb"});
     const Reconstruction& model = observed.model;
+    if (observed.one_view) fit_options.observed_from = ObservedFrom::one_view;
     watch.lap("reconstruct");
 
     const TreeFit fit = fit_tree(model.tree, fit_options, session.progress());
@@ -82,7 +83,9 @@ class Run : public Command {
     watch.lap("leaves");
 
     write_run_report(folder, {session, observed, fit, regrown, regrown_metrics, leaves, watch});
-    write_file(folder / "run.toml", run_record(session, observed.inputs));
+    std::vector<fs::path> inputs = observed.inputs;
+    for (const fs::path& other : fit_.inputs()) inputs.push_back(other);
+    write_file(folder / "run.toml", run_record(session, inputs));
     say_all(session, folder, model, fit, regrown_metrics, leaves);
     return 0;
   }

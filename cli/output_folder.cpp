@@ -68,7 +68,8 @@ std::string run_record(const Session& session, const std::vector<fs::path>& inpu
     if (option.positional || value.empty() || option.name == "--config") continue;
     // Threads, progress and the like do not change results, and results must not depend on them.
     if (option.name == "--threads" || option.name == "--progress" || option.name == "--quiet" ||
-        option.name == "--json" || option.name == "--force" || option.name == "--output")
+        option.name == "--json" || option.name == "--force" || option.name == "--output" ||
+        option.name == "--resume")
       continue;
     if (option.current_list)
       toml.entry(option.name.substr(2), TomlValue(option.current_list()));

@@ -97,7 +97,7 @@ std::vector<ReportCurve> curves_of(const RunResults& r) {
   for (const GrowthRecord& record : r.regrown.series) {
     height.time.push_back(record.cycle);
     height.value.push_back(record.height_m);
-    height.cap.push_back(record.cycle > 0 ? r.fit.best.cap(record.cycle) * r.fit.best.rho_m : 0.0);
+    height.cap.push_back(record.cycle > 0 ? r.fit.best.cap(record.cycle) * r.fit.best.rho_m : std::nan(""));
     if (!record.dbh_m) continue;
     diameter.time.push_back(record.cycle);
     diameter.value.push_back(100 * *record.dbh_m);

@@ -255,10 +255,16 @@ Silhouette from_sky(const Photograph& photo, const SegmentationOptions& options)
   const double sharp = edge_sharpness(sky, s.tree);
   if (sharp < 0.5) no_tree("nothing darker than the sky has an edge; clouds or haze are no tree");
   // Each tall group that stands on the horizon is followed to the ground.
-  for (std::size_t g = 0; g < groups.size() && groups[g].height() > 0.4 * groups.front().height(); ++g)
-    if (const auto stem = find_crossing(sky, group, static_cast<std::int32_t>(g), options.root_px))
-      if (stem->last - stem->first < kSlender * groups[g].height()) follow_stem_down(photo, *stem, s.tree);
-  if (sky.horizon_share > 0.5 && sky.median_horizon < 0.98 * photo.height) s.horizon_px = sky.median_horizon;
+  bool followed = false;
+  for (std::size_t g = 0; g < groups.size() && groups[g].height() > 0.4 * groups.front().height(); ++g) {
+    const auto stem = find_crossing(sky, group, static_cast<std::int32_t>(g), options.root_px);
+    if (stem && stem->last - stem->first < kSlender * groups[g].height())
+      followed = follow_stem_down(photo, *stem, s.tree) > stem->row || followed;
+  }
+  if (!followed)
+    s.warnings.push_back(
+        "the stem is not seen below the horizon: foot and height are uncertain; give --mask");
+  s.horizon_px = clear_horizon(sky);
   set_cover(s, sky);
   std::size_t standing = 0;  // on the tall groups: one tree each
   for (const TreeGroup& g : groups)

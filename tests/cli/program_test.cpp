@@ -194,10 +194,12 @@ TEST(Determinism, the_main_job_gives_the_same_bytes_for_any_number_of_threads) {
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     auto files = files_in(scratch / folder);
     EXPECT_TRUE(files.erase("report.html"));  // holds the times of the stages
-    // leaves.json tells how long the leaves took; all else must agree
-    auto leaves = nlohmann::json::parse(files["leaves.json"]);
-    leaves.erase("seconds");
-    files["leaves.json"] = leaves.dump();
+    // these tell how long leaves and fit took; all else must agree
+    for (const char* name : {"leaves.json", "fit.json"}) {
+      auto content = nlohmann::json::parse(files[name]);
+      EXPECT_EQ(content.erase("seconds"), 1u);
+      files[name] = content.dump();
+    }
     return files;
   };
   const auto one = main_job("one", "--threads 1");
@@ -219,7 +221,22 @@ TEST(Program, ctrl_c_leaves_nothing_half_written) {
   // timeout reports 124 when it had to signal; the program's own code stands in its message
   EXPECT_TRUE(outcome.code == 124 || outcome.code == 130) << outcome.code << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("stopped"));
-  EXPECT_TRUE(files_in(scratch / "out").empty());
+  auto left = files_in(scratch / "out");
+  left.erase("fit.checkpoint");  // to resume from
+  EXPECT_TRUE(left.empty());
+}
+
+TEST(Program, only_an_interrupted_fit_can_be_resumed) {
+  const test::ScratchFolder scratch;
+  const std::string out = (scratch / "out").string();
+  const Outcome nothing = run("fit " + sample("young_tree_truth.csv") + " --resume -o " + out);
+  EXPECT_EQ(nothing.code, 2);
+  EXPECT_THAT(nothing.err, HasSubstr("no interrupted fit"));
+  fs::create_directories(out);
+  write_file(fs::path(out) / "fit.checkpoint", "dendrofit fit checkpoint 1\nshort");
+  const Outcome damaged = run("fit " + sample("young_tree_truth.csv") + " --resume -o " + out);
+  EXPECT_EQ(damaged.code, 3);
+  EXPECT_THAT(damaged.err, HasSubstr("damaged"));
 }
 
 TEST(Program, fitted_parameters_regrow_the_fitted_tree) {
