@@ -184,6 +184,7 @@ ViewsReconstruction reconstruct_views(const ViewSet& set, const ViewsOptions& op
   if (!agreed.good()) result.model.warnings.push_back(disagreement_warning(set, work.of, agreed.shares));
   result.tolerance_px = agreed.tolerance_px;
   result.cell_m = agreed.hull.cell_m;
+  if (result.cell_m > 3 * carving.cell_m) result.model.warnings.push_back(coarse_warning(result.cell_m));
 
   result.surface = surface_of(agreed.hull, work, set.origin_shift);
   Reconstruction carved = reconstruct(result.surface, options.cloud, progress);

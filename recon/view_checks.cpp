@@ -111,6 +111,13 @@ std::string odd_view_warning(const ViewSet& set, std::size_t view, double explai
          "file)";
 }
 
+std::string coarse_warning(double cell_m) {
+  return "the masks leave so much space open (a dense or leafy crown, or too few views for it) that it was "
+         "carved in "
+         "cells of " +
+         std::to_string(std::lround(1000 * cell_m)) + " mm: thinner branches are lost or run together";
+}
+
 std::string disagreement_warning(const ViewSet& set, const std::vector<std::size_t>& views,
                                  const std::vector<double>& shares) {
   std::string text = "the views do not agree: the space they have in common explains only";
