@@ -149,6 +149,7 @@ void warn(const FitProblem& problem, const PosteriorSample& posterior, TreeFit& 
         "parameter "
         "can be told from it");
   if (fit.cost_after > kPoorCost) {
+    for (FittedParameter& p : fit.parameters) p.identifiable = false;
     auto worst = fit.descriptors;
     std::stable_sort(worst.begin(), worst.end(), [](const DescriptorFit& a, const DescriptorFit& b) {
       return std::abs(a.after - a.observed) / a.noise > std::abs(b.after - b.observed) / b.noise;
@@ -157,15 +158,19 @@ void warn(const FitProblem& problem, const PosteriorSample& posterior, TreeFit& 
     for (std::size_t i = 0; i < std::min<std::size_t>(3, worst.size()); ++i)
       names += (i ? ", " : "") + worst[i].name;
     fit.warnings.push_back("the growth model cannot follow this tree: even the best parameters miss its " +
-                           names + "; take the parameters as a description, not as measurements");
+                           names +
+                           "; none of its parameters can be told, take them as a description of "
+                           "the nearest tree");
   }
   if (!posterior.outlying.empty()) {
     std::string names;
     for (const Eigen::Index j : posterior.outlying)
-      names +=
-          (names.empty() ? "" : ", ") + std::string(descriptor_table()[static_cast<std::size_t>(j)].name);
-    fit.warnings.push_back("hardly any simulated tree has this tree's " + names +
-                           ": intervals are those of the nearest trees the model can grow");
+      if (j < problem.observed.size())  // beyond: what other trees say
+        names +=
+            (names.empty() ? "" : ", ") + std::string(descriptor_table()[static_cast<std::size_t>(j)].name);
+    if (!names.empty())
+      fit.warnings.push_back("hardly any simulated tree has this tree's " + names +
+                             ": intervals are those of the nearest trees the model can grow");
   }
 }
 
