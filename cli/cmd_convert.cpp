@@ -61,7 +61,7 @@ class Convert : public Command {
 
   int run(Session& session) override {
     prepare_output_file(out_, session.common());
-    FileInfo info = describe_file(in_);
+    FileInfo info = describe_file(in_, session.progress());
     std::string what;
     std::vector<std::string> lost;
     Vec3 shift = Vec3::Zero();
@@ -124,7 +124,7 @@ class Convert : public Command {
     if (from_las && (extension == ".las" || extension == ".laz"))
       return copy_las(in_, out_, shift, session.progress());
     info.cloud->origin_shift += shift;
-    write_point_cloud(out_, *info.cloud);
+    write_point_cloud(out_, *info.cloud, {}, session.progress());
   }
 
   /// Returns the format, none for a mesh.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// dendrofit fit SCAN|qsm.csv... -o DIR
+// dendrofit fit SCAN|PHOTO|qsm.csv... -o DIR
 #include "cli/commands.h"
 #include "cli/fit_settings.h"
+#include "cli/observed_tree.h"
 #include "cli/output_folder.h"
 #include "cli/parse.h"
-#include "cli/reconstruct_settings.h"
 #include "cli/tree_files.h"
 #include "core/atomic_file.h"
 #include "fit/fit_trees.h"
@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -36,8 +37,9 @@ class Fit : public Command {
   void declare(OptionTable& options) override {
     options.positionals(
         "TREE", inputs_,
-        "Scan of a tree, its model (qsm.csv or any QSM format), or a folder with qsm.csv; several "
-        "trees of one kind are fitted together");
+        "Scan or photograph of a tree, its model (qsm.csv or any QSM format), or a folder with "
+        "qsm.csv; several trees of one kind are fitted together",
+        false);
     options.path("--output", output_, "Folder for the results", "-o");
     fit_.declare(options);
     options.flag("--resume", resume_,
@@ -45,24 +47,33 @@ class Fit : public Command {
     options.flag("--through-scan", through_scan_,
                  "Compare grown trees as a virtual scanner and the reconstruction see them (slow)");
     reconstruct_.declare(options);
+    photo_.declare(options);
   }
 
   int run(Session& session) override {
     need_output(output_);
+    const fs::path input = inputs_.empty() ? fs::path() : tree_file(inputs_.front());
+    photo_.check(input);
     FitOptions options = fit_.resolve(session);
     if (inputs_.size() > 1) return run_several(session, options);
-    const fs::path input = tree_file(inputs_.front());
-    const FileInfo info = describe_file(input);
+    std::optional<Tree> model;
+    if (!photo_.asked_for(input)) model = describe_file(input, session.progress()).tree;
     const fs::path folder = prepare_folder(session);
     const fs::path checkpoint = folder / kCheckpoint;
     if (resume_) options.resume_from = read_bytes(checkpoint);
     options.on_checkpoint = [&](std::string_view bytes) { write_file(checkpoint, bytes); };
-    const Tree observed = info.tree ? *info.tree : reconstruct_first(session, input, folder);
+    std::vector<fs::path> inputs = {input};
+    if (!model) {
+      ObservedTree seen = observe_tree(session, input, reconstruct_, photo_, folder, {});
+      if (seen.one_view) options.observed_from = ObservedFrom::one_view;
+      inputs = seen.inputs;
+      model = std::move(seen.model.tree);
+    }
+    const Tree& observed = *model;
 
     if (through_scan_) options.observe = observer(session, measure(observed).height_m);
     const TreeFit fit = fit_tree(observed, options, session.progress());
     write_results(session, folder, fit);
-    std::vector<fs::path> inputs = {input};
     for (const fs::path& other : fit_.inputs()) inputs.push_back(other);
     write_file(folder / "run.toml", run_record(session, inputs));
     fs::remove(checkpoint);
@@ -82,9 +93,14 @@ class Fit : public Command {
     for (std::size_t t = 0; t < inputs_.size(); ++t) {
       files.push_back(tree_file(inputs_[t]));
       fs::create_directories(own_folder(folder, t));
-      const FileInfo info = describe_file(files.back());
-      trees.push_back(info.tree ? *info.tree
-                                : reconstruct_first(session, files.back(), own_folder(folder, t)));
+      std::optional<Tree> model = describe_file(files.back(), session.progress()).tree;
+      if (!model) {
+        ObservedTree seen =
+            observe_tree(session, files.back(), reconstruct_, photo_, own_folder(folder, t), {});
+        if (seen.one_view) throw UsageError("photographs are fitted one at a time");
+        model = std::move(seen.model.tree);
+      }
+      trees.push_back(std::move(*model));
     }
     const TreesFit fit = fit_trees(trees, options, session.progress());
     for (std::size_t t = 0; t < trees.size(); ++t)
@@ -145,21 +161,13 @@ class Fit : public Command {
     };
   }
 
-  Tree reconstruct_first(Session& session, const fs::path& input, const fs::path& folder) const {
-    const PointCloud scan = reconstruct_.read_scan(session, input, session.progress());
-    const Reconstruction result =
-        reconstruct(scan, reconstruct_.resolve(session.common()), session.progress());
-    write_reconstruction(folder, result, {});
-    say_reconstruction(session, result);
-    return result.tree;
-  }
-
   std::vector<fs::path> inputs_;
   fs::path output_;
   bool resume_ = false;
   bool through_scan_ = false;
   FitSettings fit_;
   ReconstructSettings reconstruct_;
+  PhotoSettings photo_;
 };
 
 }  // namespace

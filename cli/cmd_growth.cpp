@@ -88,7 +88,9 @@ class Growth : public Command {
     session.json(growth_report_json(report));
     if (!folder.empty())
       session.say("Written to " + folder.string() + ": growth.json, growth.csv, growth.svg, growth.png");
-    if (!params_out_.empty()) session.say("Written to " + params_out_.string() + ": dendrofit grow takes it");
+    if (!params_out_.empty())
+      session.say("Written to " + params_out_.string() +
+                  ": dendrofit grow takes it (its first lines say what the curve comes to)");
     return 0;
   }
 

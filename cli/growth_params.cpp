@@ -19,8 +19,8 @@ constexpr double kLongest = 1000;  // cycles: the growth model's limit
 
 double internodes_per_value(const GrowthReport& report, double internode_m) {
   const auto unit = measurement_unit(report.value_unit);
-  if (!unit) return 1;  // a count
-  if (unit->kind != "length")
+  if (!unit && (report.value_unit == "internodes" || report.value_unit == "count")) return 1;
+  if (!unit || unit->kind != "length")
     throw InputError(
         fmt::format("--params-out: the values are in {}, and the growth model counts internodes along "
                     "the stem: give heights, or counts of internodes (--value-unit internodes)",
@@ -76,6 +76,7 @@ std::string growth_params_toml(const GrowthReport& report, const GrowthSeries& s
   std::string name = series.name;  // a comment must stay one line
   std::replace_if(
       name.begin(), name.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
+  const double last = growth_equation(fit.equation).value(parameters.equation_values, parameters.cycles);
   return igm_parameters_toml(
       parameters,
       {fmt::format("Growth curve of series '{}', fitted to {} measurements ({} over {}).", name, fit.n,
@@ -83,7 +84,11 @@ std::string growth_params_toml(const GrowthReport& report, const GrowthSeries& s
        fmt::format(
            "Sizes count internodes of {:.6g} m, one cycle is one year. What the curve does not tell is the "
            "model's default.",
-           parameters.rho_m)});
+           parameters.rho_m),
+       fmt::format(
+           "The curve comes to {:.4g} internodes ({:.4g} m) at cycle {}. A grown stem stays below its curve "
+           "where light, space or whole internodes run short: compare its height.",
+           last, last * parameters.rho_m, parameters.cycles)});
 }
 
 }  // namespace dendrofit::cli

@@ -191,7 +191,7 @@ GrowthFit fit_height_diameter(const std::vector<double>& diameter, const std::ve
   if (!growth_equation(equation).starts_at_zero)
     throw InputError(
         "height over diameter: the " + std::string(growth_equation(equation).title) +
-        " does not start from 1.3 m; use weibull, chapman_richards, korf, hossfeld4 or bertalanffy");
+        " does not start from 1.3 m; use power, weibull, chapman_richards, korf, hossfeld4 or bertalanffy");
   GrowthOptions own = options;
   own.equations = {equation};
   own.offset = 1.3 * unit_factor("m", options.value_unit);

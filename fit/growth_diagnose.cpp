@@ -47,20 +47,23 @@ std::string row_name(const MeasurementSeries& series, std::size_t i) {
          plain_number(series.value[i]) + ")";
 }
 
-// Kendall's tau without the ties: 1 where every later size is larger, -1 where every one is smaller.
-double rank_trend(const MeasurementSeries& series) {
-  double up = 0, pairs = 0;
-  for (std::size_t i = 0; i < series.time.size(); ++i)
-    for (std::size_t k = 0; k < i; ++k) {
-      const double rise = (series.time[i] - series.time[k]) * (series.value[i] - series.value[k]);
-      up += rise > 0 ? 1 : rise < 0 ? -1 : 0;
-      pairs += rise != 0;
-    }
-  return pairs > 0 ? up / pairs : 0;
+// Correlation of size with time.
+double trend(const MeasurementSeries& series) {
+  const auto n = static_cast<Eigen::Index>(series.time.size());
+  const Eigen::Map<const Eigen::ArrayXd> t(series.time.data(), n), x(series.value.data(), n);
+  const Eigen::ArrayXd dt = t - t.mean(), dx = x - x.mean();
+  const double spread = std::sqrt(dt.square().sum() * dx.square().sum());
+  return spread > 0 ? (dt * dx).sum() / spread : 0;
 }
 
 std::string counted(std::size_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+// An equation that asks less of the data.
+std::string simpler(const std::string& equation, const GrowthOptions& options) {
+  if (options.abscissa != "age") return "the power law";
+  return equation == "bertalanffy" ? "the logistic" : "Bertalanffy";
 }
 
 std::string older(const GrowthOptions& options) {
@@ -187,7 +190,7 @@ std::string no_finite_optimum(const MeasurementSeries& series, const std::string
          " show no levelling off, and the larger the final size the better the fit: give an upper bound "
          "(--bound "
          "asymptote=..:VALUE), add " +
-         older(options) + " trees, or use " + (equation == "bertalanffy" ? "the logistic" : "Bertalanffy");
+         older(options) + " trees, or use " + simpler(equation, options);
 }
 
 std::string ill_conditioned(const MeasurementSeries& series, const std::string& equation,
@@ -198,7 +201,7 @@ std::string ill_conditioned(const MeasurementSeries& series, const std::string& 
     return lead + "every size is " + plain_number(*most) +
            ", so there is no growth to fit: check the value column, or add " + options.abscissa +
            "s at which the size was another";
-  if (rank_trend(series) < -0.5)
+  if (trend(series) < -0.5)
     return lead + "the sizes fall with " + options.abscissa +
            ", and growth curves only rise: check the columns and the order of the rows";
   return lead + "the measurements show a step between two " + options.abscissa +
@@ -233,7 +236,7 @@ std::vector<std::string> fit_warnings(const MeasurementSeries& series, const Gro
     if (std::isfinite(asymptote.lo))
       text += " (>= " + plain_number(asymptote.lo + options.offset) + " " + options.value_unit + ")";
     text += ": give an upper bound (--bound asymptote=..:VALUE), add " + older(options) + " trees";
-    if (fit.equation != "bertalanffy") text += ", or use Bertalanffy";
+    if (fit.equation != "bertalanffy") text += ", or use " + simpler(fit.equation, options);
     warnings.push_back(text);
   }
   if (const GrowthParameter* start = fit.parameter("X0"); start && !start->fixed) {

@@ -86,7 +86,7 @@ void copy_points(const FileBytes& bytes, const LasHeader& h, std::ostream& out, 
   };
   if (h.compressed) {
     check_laz_chunks(bytes, h);
-    return laz_records(bytes, h, take);
+    return laz_records(bytes, h, take, progress);
   }
   constexpr std::uint64_t block = 1 << 18;
   bytes.need(h.points_offset, h.point_count * h.record_length, "points");

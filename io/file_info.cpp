@@ -31,11 +31,11 @@ void describe_mesh(FileInfo& info, const std::filesystem::path& path, const char
   info.details.emplace_back("vertices", std::to_string(mesh.vertices.size()));
 }
 
-void describe_cloud(FileInfo& info, const FileBytes& bytes) {
+void describe_cloud(FileInfo& info, const FileBytes& bytes, Progress& progress) {
   const CloudFormat format = cloud_format_of(bytes);
   info.kind = "cloud";
   info.format = to_string(format);
-  info.cloud = read_point_cloud(bytes.path());
+  info.cloud = read_point_cloud(bytes.path(), {}, progress);
   info.crs_wkt = info.cloud->crs_wkt;
   info.bounds = world_bounds(info.cloud->points, info.cloud->origin_shift);
   if (format == CloudFormat::las || format == CloudFormat::laz) {
@@ -104,7 +104,7 @@ bool is_obj(const FileBytes& bytes) {
 
 }  // namespace
 
-FileInfo describe_file(const std::filesystem::path& path) {
+FileInfo describe_file(const std::filesystem::path& path, Progress& progress) {
   const FileBytes bytes(path);
   FileInfo info;
   info.bytes = bytes.size();
@@ -112,7 +112,7 @@ FileInfo describe_file(const std::filesystem::path& path) {
   if (view.starts_with("glTF")) {
     describe_glb(info, bytes);
   } else if (view.starts_with("LASF") || view.starts_with("ASTM-E57")) {
-    describe_cloud(info, bytes);
+    describe_cloud(info, bytes, progress);
   } else if (view.starts_with("ply")) {
     const PlyElement* face = nullptr;
     const PlyHeader header = read_ply_header(bytes);
@@ -120,7 +120,7 @@ FileInfo describe_file(const std::filesystem::path& path) {
     if (face && face->count > 0)
       describe_mesh(info, path, "ply");
     else
-      describe_cloud(info, bytes);
+      describe_cloud(info, bytes, progress);
   } else if (is_obj(bytes)) {
     describe_mesh(info, path, "obj");
   } else if (is_tree(path)) {
@@ -128,7 +128,7 @@ FileInfo describe_file(const std::filesystem::path& path) {
   } else if (has_columns(bytes, "time", "value")) {
     describe_table(info, path);
   } else {
-    describe_cloud(info, bytes);
+    describe_cloud(info, bytes, progress);
   }
   return info;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/point_cloud.h"
+#include "core/progress.h"
 #include "core/tree.h"
 #include "io/write_cloud.h"
 
@@ -32,6 +33,6 @@ struct FileInfo {
 
 /// Reads the whole file, so that what is told is what every command would see. Throws IoError as the readers
 /// do, and for a file that is of no known kind.
-FileInfo describe_file(const std::filesystem::path& path);
+FileInfo describe_file(const std::filesystem::path& path, Progress& progress = no_progress());
 
 }  // namespace dendrofit

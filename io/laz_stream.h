@@ -19,9 +19,11 @@ void laszip_copy(const FileBytes& bytes, const LasHeader& header, std::ostream& 
                  const Vec3& shift, Progress& progress);
 #else
 /// Hands the decompressed records of a LAZ file to `take`, block by block. Throws IoError where the
-/// decompressor is not installed or fails.
+/// decompressor is not installed or fails, Cancelled where
+/// the user has stopped it.
 void laz_records(const FileBytes& bytes, const LasHeader& header,
-                 const std::function<void(const char* records, std::uint64_t count)>& take);
+                 const std::function<void(const char* records, std::uint64_t count)>& take,
+                 Progress& progress);
 #endif
 
 /// Throws IoError for a chunk table that contradicts the header.

@@ -97,10 +97,12 @@ TreeMetrics metrics_from_json(const std::filesystem::path& path) {
   try {
     visit_fields(metrics, [&](const char* name, auto& value) {
       key = name;
-      if (const auto found = json.find(name); found != json.end()) from_json(*found, value);
+      const auto found = json.find(name);
+      // null: not told (a photograph shows no crown volume); the height always is.
+      if (found != json.end() && (!found->is_null() || key == "height_m")) from_json(*found, value);
     });
     key = "stem_taper";
-    if (const auto taper = json.find(key); taper != json.end())
+    if (const auto taper = json.find(key); taper != json.end() && !taper->is_null())
       for (const Json& pair : *taper)
         metrics.stem_taper.push_back({pair.at(0).get<double>(), pair.at(1).get<double>()});
     key = "intervals";

@@ -15,7 +15,19 @@ struct ReadCamerasOptions {
   void validate() const;
 };
 
-/// cameras.json, version 1. Paths are relative to its folder. Throws InputError naming file and field, what
+/// cameras.json, version 1:
+///
+///     { "format": "dendrofit-cameras", "version": 1, "units": "m", "up": [0, 0, 1],
+///       "origin": [x, y, z],               optional: added to world coordinates
+///       "pixel_origin": "corner",          the first pixel's centre is (0.5, 0.5); "centre": (0, 0)
+///       "pose_error_px": 0.5,              optional
+///       "cameras": [{ "id": 0, "model": "radial2", "width": 1500, "height": 2250, "fx": 1625, "fy": 1625,
+///                     "cx": 750, "cy": 1125, "k1": 0, "k2": 0 }],      k1, k2 optional
+///       "images": [{ "file": "a.jpg", "mask": "a_mask.png", "camera": 0,     mask optional
+///                    "camera_from_world": [[r, r, r, t], [r, r, r, t], [r, r, r, t]] }] }
+///
+/// or world_from_camera instead. Camera axes: x right, y down, z forward; u = fx x (1 + k1 r^2 + k2 r^4) + cx
+/// for normalised x, y. Paths are relative to the file's folder. Throws InputError naming file and field, what
 /// was found and what was expected: unknown or missing keys, other units or models, a pose given twice or not
 /// at all, |det R - 1| > 1e-3 or a mirrored R, pictures that are missing or of another size.
 ViewSet read_cameras_json(const std::filesystem::path& file, const ReadCamerasOptions& options = {});

@@ -68,7 +68,8 @@ std::filesystem::path helper_folder() {
 }  // namespace
 
 void laz_records(const FileBytes& bytes, const LasHeader& h,
-                 const std::function<void(const char* records, std::uint64_t count)>& take) {
+                 const std::function<void(const char* records, std::uint64_t count)>& take,
+                 Progress& progress) {
   const std::filesystem::path node = find_program({"node", "nodejs"});
   const std::filesystem::path folder = helper_folder();
   std::error_code ignored;
@@ -90,6 +91,7 @@ void laz_records(const FileBytes& bytes, const LasHeader& h,
     done += got / h.record_length;
     if (got < wanted) break;
   }
+  progress.check();  // a Ctrl-C ends the child too
   if (done < h.point_count || child.wait() != 0) fail_laz_damaged(bytes, done, h.point_count);
 }
 
@@ -102,8 +104,9 @@ PointCloud read_laz(const FileBytes& bytes, Progress& progress) {
   return laszip_read(bytes, header, progress);
 #else
   LasDecoder decoder(header, progress);
-  laz_records(bytes, header,
-              [&](const char* records, std::uint64_t count) { decoder.append(records, count); });
+  laz_records(
+      bytes, header, [&](const char* records, std::uint64_t count) { decoder.append(records, count); },
+      progress);
   return decoder.take();
 #endif
 }

@@ -7,6 +7,7 @@
 #include "io/text_numbers.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -19,7 +20,9 @@ namespace {
 // Little-endian bytes gathered in blocks and handed to the file.
 class Bytes {
  public:
-  explicit Bytes(std::ostream& out) : out_(out) { block_.reserve(kBlock + 256); }
+  Bytes(std::ostream& out, Progress& progress) : out_(out), progress_(progress) {
+    block_.reserve(kBlock + 256);
+  }
   template <class Number>
   Bytes& put(Number value) {
     static_assert(std::endian::native == std::endian::little);
@@ -37,6 +40,7 @@ class Bytes {
     if (block_.size() >= kBlock) flush();
   }
   void flush() {
+    progress_.check();
     out_.write(block_.data(), static_cast<std::streamsize>(block_.size()));
     block_.clear();
   }
@@ -44,6 +48,7 @@ class Bytes {
  private:
   static constexpr std::size_t kBlock = 1 << 20;
   std::ostream& out_;
+  Progress& progress_;
   std::string block_;
 };
 
@@ -96,7 +101,8 @@ std::vector<std::pair<std::uint16_t, std::string>> projection_records(const Poin
   return {{2112, cloud.crs_wkt + '\0'}};
 }
 
-void write_las(std::ostream& out, const PointCloud& cloud, const std::optional<LasFrame>& wanted) {
+void write_las(std::ostream& out, const PointCloud& cloud, const std::optional<LasFrame>& wanted,
+               Progress& progress) {
   const Bounds bounds = bounds_of(cloud.points);
   const LasFrame frame = frame_for(cloud, wanted);
   const Vec3 local = cloud.origin_shift - frame.offset;
@@ -119,7 +125,7 @@ void write_las(std::ostream& out, const PointCloud& cloud, const std::optional<L
   const auto points_offset = static_cast<std::uint32_t>(header_size + record_bytes);
   const int format = modern ? 6 : 0;
   const auto length = static_cast<std::uint16_t>(las_record_length(format));
-  Bytes bytes(out);
+  Bytes bytes(out, progress);
   bytes.text("LASF", 4).put(std::uint16_t{0}).put(static_cast<std::uint16_t>(wkt ? 16 : 0)).text("", 16);
   bytes.put(std::uint8_t{1})
       .put(static_cast<std::uint8_t>(modern ? 4 : 2))
@@ -182,8 +188,8 @@ std::string crs_comment(std::string crs) {
   return "comment crs " + crs + "\n";
 }
 
-void write_ply(std::ostream& out, const PointCloud& cloud) {
-  Bytes bytes(out);
+void write_ply(std::ostream& out, const PointCloud& cloud, Progress& progress) {
+  Bytes bytes(out, progress);
   bytes.block() += "ply\nformat binary_little_endian 1.0\ncomment written by dendrofit\n" +
                    crs_comment(cloud.crs_wkt) + "element vertex " + std::to_string(cloud.size()) +
                    "\nproperty double x\nproperty double y\nproperty double z\n";
@@ -194,8 +200,8 @@ void write_ply(std::ostream& out, const PointCloud& cloud) {
   bytes.flush();
 }
 
-void write_pcd(std::ostream& out, const PointCloud& cloud) {
-  Bytes bytes(out);
+void write_pcd(std::ostream& out, const PointCloud& cloud, Progress& progress) {
+  Bytes bytes(out, progress);
   const bool intensity = !cloud.intensity.empty();
   const bool classes = !cloud.classification.empty();
   const auto row = [&](const char* name, const char* each, const char* of_intensity, const char* of_class) {
@@ -214,8 +220,8 @@ void write_pcd(std::ostream& out, const PointCloud& cloud) {
   bytes.flush();
 }
 
-void write_text(std::ostream& out, const PointCloud& cloud, char delimiter) {
-  Bytes bytes(out);
+void write_text(std::ostream& out, const PointCloud& cloud, char delimiter, Progress& progress) {
+  Bytes bytes(out, progress);
   const bool intensity = !cloud.intensity.empty();
   const bool classes = !cloud.classification.empty();
   const std::string d(1, delimiter);
@@ -243,9 +249,20 @@ void write_text(std::ostream& out, const PointCloud& cloud, char delimiter) {
 
 }  // namespace
 
+void check_cloud_format(const std::filesystem::path& path) {
+  const std::string extension = lower(path.extension().string());
+  constexpr std::array kKnown{".las", ".laz", ".ply", ".pcd", ".xyz", ".txt", ".asc", ".csv"};
+  if (std::find(kKnown.begin(), kKnown.end(), extension) == kKnown.end())
+    throw IoError(path.string() +
+                  ": clouds are written as .las, .laz, .ply, .pcd, .xyz, .txt, .asc or .csv, not '" +
+                  extension + "'");
+  if (extension == ".laz" && !can_write_laz()) fail_without_laz_writer(path);
+}
+
 void write_point_cloud(const std::filesystem::path& path, const PointCloud& cloud,
-                       const WriteCloudOptions& options) {
+                       const WriteCloudOptions& options, Progress& progress) {
   cloud.validate();
+  check_cloud_format(path);
   if (cloud.empty()) throw InputError(path.string() + ": a point cloud without points is not written");
   const std::string extension = lower(path.extension().string());
   const auto write = [&](auto&& body) {
@@ -253,22 +270,18 @@ void write_point_cloud(const std::filesystem::path& path, const PointCloud& clou
     body(file.stream());
     file.commit();
   };
-  if (extension == ".las") return write([&](std::ostream& out) { write_las(out, cloud, options.frame); });
+  if (extension == ".las")
+    return write([&](std::ostream& out) { write_las(out, cloud, options.frame, progress); });
   if (extension == ".laz") {
-    if (!can_write_laz()) fail_without_laz_writer(path);
     AtomicFile plain(path.string() + ".las");  // never committed: gone when the compressed file stands
-    write_las(plain.stream(), cloud, options.frame);
+    write_las(plain.stream(), cloud, options.frame, progress);
     plain.stream().flush();
-    return copy_las(plain.temporary_path(), path, Vec3::Zero(), no_progress());
+    return copy_las(plain.temporary_path(), path, Vec3::Zero(), progress);
   }
-  if (extension == ".ply") return write([&](std::ostream& out) { write_ply(out, cloud); });
-  if (extension == ".pcd") return write([&](std::ostream& out) { write_pcd(out, cloud); });
-  if (extension == ".csv") return write([&](std::ostream& out) { write_text(out, cloud, ','); });
-  if (extension == ".xyz" || extension == ".txt" || extension == ".asc")
-    return write([&](std::ostream& out) { write_text(out, cloud, ' '); });
-  throw IoError(path.string() +
-                ": clouds are written as .las, .laz, .ply, .pcd, .xyz, .txt, .asc or .csv, not '" +
-                extension + "'");
+  if (extension == ".ply") return write([&](std::ostream& out) { write_ply(out, cloud, progress); });
+  if (extension == ".pcd") return write([&](std::ostream& out) { write_pcd(out, cloud, progress); });
+  if (extension == ".csv") return write([&](std::ostream& out) { write_text(out, cloud, ',', progress); });
+  write([&](std::ostream& out) { write_text(out, cloud, ' ', progress); });
 }
 
 }  // namespace dendrofit

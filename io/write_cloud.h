@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/point_cloud.h"
+#include "core/progress.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -26,12 +27,16 @@ struct WriteCloudOptions {
   std::optional<LasFrame> frame;
 };
 
+/// Throws IoError where the extension is none that write_point_cloud() knows or can write here: for commands
+/// that work long before they write.
+void check_cloud_format(const std::filesystem::path& path);
+
 /// Writes by extension, in world coordinates: .las (with class and intensity; 1.2, or 1.4 where a WKT
 /// coordinate system or a class above 31 needs it), .laz (where the build has LASzip), .ply (binary, double
 /// coordinates, the coordinate system as a comment), .pcd (binary, double coordinates) or columns of numbers
 /// (.xyz .txt .asc with blanks, .csv with commas and a header). Throws IoError for another extension or an
 /// unwritable file, InputError for an invalid cloud.
 void write_point_cloud(const std::filesystem::path& path, const PointCloud& cloud,
-                       const WriteCloudOptions& options = {});
+                       const WriteCloudOptions& options = {}, Progress& progress = no_progress());
 
 }  // namespace dendrofit

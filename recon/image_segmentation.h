@@ -32,7 +32,8 @@ struct Silhouette {
   bool leafy = false;        ///< solid_share too high for a skeleton: only outline metrics
   bool touches_top = false;  ///< the height is a lower bound
   bool touches_side = false;
-  int tree_count = 1;  ///< trees seen; one of them is marked
+  std::optional<double> horizon_px = std::nullopt;  ///< row where the sky ends, away from the tree
+  int tree_count = 1;                               ///< trees seen; one of them is marked
   std::vector<std::string> warnings;
 
   std::size_t pixel(int column, int row) const {

@@ -132,8 +132,9 @@ std::optional<Sighting> sight(const Tree& tree, std::size_t i, const Camera& cam
 
 }  // namespace
 
-Sightings sight_cylinders(const Tree& tree, const std::vector<Camera>& cameras, const std::vector<Outline>& outlines,
-                          double reach_px, int threads, Progress& progress) {
+Sightings sight_cylinders(const Tree& tree, const std::vector<Camera>& cameras,
+                          const std::vector<Outline>& outlines, double reach_px, int threads,
+                          Progress& progress) {
   std::vector<std::vector<std::optional<Sighting>>> by_view(cameras.size());
   parallel_blocks(cameras.size(), 1, threads, [&](std::size_t first, std::size_t end) {
     for (std::size_t v = first; v < end; ++v) {
@@ -165,7 +166,8 @@ int support_of(const std::vector<Sighting>& sightings) {
     int count = 0;
     for (const Sighting& s : sightings) {
       const double r = s.half_width_px / s.px_per_m;
-      count += std::abs(s.offset_px) <= kNear + 0.5 * radius * s.px_per_m && std::abs(r - radius) <= kAgree * radius;
+      count += std::abs(s.offset_px) <= kNear + 0.5 * radius * s.px_per_m &&
+               std::abs(r - radius) <= kAgree * radius;
     }
     most = std::max(most, count);
   }

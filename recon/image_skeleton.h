@@ -28,10 +28,12 @@ struct PlaneSkeleton {
   std::vector<double> radius_px;
   std::vector<std::int32_t> parent;  ///< -1 for the root
   std::vector<std::uint8_t> bridge;  ///< 1: the line from the parent crosses a gap in the silhouette
-  std::size_t joined_pieces = 0;     ///< fragments connected over gaps
-  std::size_t dropped_pieces = 0;    ///< fragments no line leads to
-  double dropped_share = 0;          ///< of the silhouette's pixels
-  std::size_t crossings = 0;         ///< places where two branches pass each other
+  std::vector<std::uint8_t>
+      continues;                   ///< 1: goes on along its parent's axis; 0: the root, or begins a branch
+  std::size_t joined_pieces = 0;   ///< fragments connected over gaps
+  std::size_t dropped_pieces = 0;  ///< fragments no line leads to
+  double dropped_share = 0;        ///< of the silhouette's pixels
+  std::size_t crossings = 0;       ///< places where two branches pass each other
 
   std::size_t size() const { return px.size(); }
 };

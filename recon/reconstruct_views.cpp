@@ -6,7 +6,9 @@
 #include "recon/image_agreement.h"
 #include "recon/image_foot.h"
 #include "recon/image_poses.h"
+#include "recon/image_redundancy.h"
 #include "recon/image_settle.h"
+#include "recon/image_tips.h"
 #include "recon/view_checks.h"
 
 #include <algorithm>
@@ -16,12 +18,14 @@
 namespace dendrofit {
 namespace {
 
-constexpr double kMaskTolerance = 0.7;  // pixels: half a pixel, and some blur
-constexpr std::array<double, 3> kLooser{1.5, 2.5, 4.0};
-constexpr int kRefinements = 2;  // with new carving
-constexpr int kAdjustments = 4;  // of tree and poses in turn, without
-constexpr double kReachPx = 4;   // how far beside an axis its stretch of mask is looked for
-constexpr double kGoodShare = 0.95;
+constexpr double kMaskTolerance = 0.7;              // pixels: half a pixel, and some blur
+constexpr std::array<double, 2> kLooser{1.3, 3.3};  // pixels more
+constexpr int kRefinements = 2;                     // with new carving
+constexpr int kAdjustments = 4;                     // of tree and poses in turn, without
+constexpr double kReachPx = 4;         // how far beside an axis its stretch of mask is looked for
+constexpr double kGoodShare = 0.92;    // of each mask explained: the poses need no refinement
+constexpr double kMuchLost = 0.05;     // of the masks, by a tight carving
+constexpr double kWorthwhile = 0.005;  // more of the masks explained: refined poses are kept
 
 /// What the reconstruction works on: the views in use.
 struct Work {
@@ -48,8 +52,8 @@ Tree in_frame_of(const Tree& tree, const Vec3& origin_shift) {
   return moved;
 }
 
-Reconstruction tree_of_hull(const Hull& hull, const Work& work, const Vec3& origin_shift,
-                            const ViewsOptions& options, Progress& progress) {
+/// The hull's skin above the ground.
+PointCloud surface_of(const Hull& hull, const Work& work, const Vec3& origin_shift) {
   if (hull.cells.empty())
     throw SolverError("no place lies inside all masks: the poses or the masks do not belong together");
   PointCloud cloud;
@@ -57,7 +61,7 @@ Reconstruction tree_of_hull(const Hull& hull, const Work& work, const Vec3& orig
   const std::optional<MaskFoot> foot = foot_of_masks(work.cameras, work.outlines);
   for (const Vec3& cell : hull.cells)
     if (!foot || cell.z() >= foot->position.z()) cloud.points.push_back(cell);
-  return reconstruct(cloud, options.cloud, progress);
+  return cloud;
 }
 
 /// Views that look at a tree from few sides need all of them to agree.
@@ -80,50 +84,51 @@ std::vector<Camera> adjust(Tree tree, const Work& work, const ViewsOptions& opti
   return cameras;
 }
 
-/// Carves with the poses as told; where they turn out to be off, leaves out a view that contradicts the
-/// others, refines the poses on the tree of a looser carving, and keeps what explains more of the masks.
-Agreement settle_poses(Work& work, const ViewSet& set, const ViewsOptions& options, CarveOptions carving,
-                       ViewsReconstruction& result, Progress& progress) {
+/// Leaves out the views that contradict the others, and says so.
+bool drop_odd_views(Work& work, const ViewSet& set, const CarveOptions& carving, ViewsReconstruction& result,
+                    Progress& progress) {
+  const std::vector<OddView> odd = find_odd_views(work.cameras, work.outlines, carving, progress);
+  for (auto one = odd.rbegin(); one != odd.rend(); ++one) {
+    const std::size_t view = work.of[one->view];
+    result.views[view].used = false;
+    result.views[view].explained_share = one->explained;
+    result.model.warnings.push_back(odd_view_warning(set, view, one->explained, one->missing));
+    work.drop(one->view);
+  }
+  return !odd.empty();
+}
+
+/// Carves with the poses as told. Where the masks are not explained well, leaves out views that contradict
+/// the others, refines the poses on the tree of a looser carving, and keeps what explains more of the masks.
+Agreement settle_poses(Work& work, const ViewSet& set, const ViewsOptions& options,
+                       const CarveOptions& carving, ViewsReconstruction& result, Progress& progress) {
   Agreement best = agreement(work.cameras, work.outlines, carving, progress);
+  if (best.least() >= kGoodShare) return best;
+  if (drop_odd_views(work, set, carving, result, progress))
+    best = agreement(work.cameras, work.outlines, carving, progress);
   if (best.least() >= kGoodShare || !options.refine_poses) return best;
   Agreement loose = best;
-  CarveOptions wider = carving;
-  const double tight = carving.tolerance_px;
-  for (const double tolerance : kLooser) {
-    if (loose.good() && loose.mean() >= kGoodShare) break;
-    if (tolerance <= tight) continue;
-    wider.tolerance_px = tolerance;
+  for (const double looser : kLooser) {
+    if (loose.mean() >= kGoodShare) break;
+    CarveOptions wider = carving;
+    wider.tolerance_px += looser;
     loose = agreement(work.cameras, work.outlines, wider, progress);
   }
-  if (!loose.good()) {
-    if (const auto odd = find_odd_view(work.cameras, work.outlines, wider, progress)) {
-      const std::size_t view = work.of[odd->view];
-      result.views[view].used = false;
-      result.views[view].explained_share = odd->own_share;
-      result.model.warnings.push_back(odd_view_warning(set, view, odd->own_share));
-      work.drop(odd->view);
-      return settle_poses(work, set, options, carving, result, progress);
-    }
-  }
-  for (int round = 0; round < kRefinements; ++round) {
-    const Tree rough = in_frame_of(tree_of_hull(loose.hull, work, set.origin_shift, options, progress).tree,
-                                   set.origin_shift);
+  for (int round = 0; round < kRefinements && !loose.hull.cells.empty(); ++round) {
+    const Reconstruction rough =
+        reconstruct(surface_of(loose.hull, work, set.origin_shift), options.cloud, progress);
     Work tried = work;
-    tried.cameras = adjust(rough, work, options, progress);
+    tried.cameras = adjust(in_frame_of(rough.tree, set.origin_shift), work, options, progress);
     Agreement now = agreement(tried.cameras, tried.outlines, carving, progress);
-    if (now.mean() <= best.mean()) break;
+    if (now.mean() <= best.mean() + kWorthwhile) break;
     work.cameras = tried.cameras;
     result.poses_refined = true;
-    best = loose = std::move(now);
-    if (best.mean() >= kGoodShare) break;
+    best = now;
+    loose = std::move(now);
+    if (best.least() >= kGoodShare) break;
   }
-  // What the tight tolerance loses a wider one finds again.
-  for (const double tolerance : kLooser) {
-    if (best.good() || tolerance <= tight) break;
-    wider.tolerance_px = tolerance;
-    best = agreement(work.cameras, work.outlines, wider, progress);
-  }
-  return best;
+  // A fatter hull is worth it only where the tight one loses much.
+  return loose.mean() > best.mean() + kMuchLost ? loose : best;
 }
 
 /// Drops what too few views support, and settles axes and radii on the pictures.
@@ -132,13 +137,15 @@ Tree settle_on_views(Tree tree, const Work& work, const ViewsOptions& options, V
   const auto sight = [&](double reach) {
     return sight_cylinders(tree, work.cameras, work.outlines, reach, options.cloud.threads, progress);
   };
+  const std::size_t carved = tree.size();
   for (int round = 0; round < 2; ++round) {
-    const std::vector<char> keep = supported(tree, sight(kReachPx), least_support(work.cameras.size()));
-    const std::size_t before = tree.size();
-    tree = subset(tree, keep);
-    result.shadows += before - tree.size();
+    tree = subset(tree, supported(tree, sight(kReachPx), least_support(work.cameras.size())));
+    tree = subset(tree, needed_by_views(tree, work.cameras, options.cloud.threads));
+    assign_axes_by_thickness(tree);
+    if (round == 0) result.shadows = carved - tree.size();
     centre_on_views(tree, sight(kReachPx));
     settle_radii_from_views(tree, sight(0.5 * kReachPx));
+    if (round == 0) extend_tips(tree, work.cameras, work.outlines);
   }
   assign_axes_by_thickness(tree);
   return tree;
@@ -178,7 +185,8 @@ ViewsReconstruction reconstruct_views(const ViewSet& set, const ViewsOptions& op
   result.tolerance_px = agreed.tolerance_px;
   result.cell_m = agreed.hull.cell_m;
 
-  Reconstruction carved = tree_of_hull(agreed.hull, work, set.origin_shift, options, progress);
+  result.surface = surface_of(agreed.hull, work, set.origin_shift);
+  Reconstruction carved = reconstruct(result.surface, options.cloud, progress);
   Tree tree = settle_on_views(in_frame_of(carved.tree, set.origin_shift), work, options, result, progress);
 
   const Sightings seen =

@@ -8,10 +8,15 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <queue>
 #include <span>
+
+#include <Eigen/Dense>
 
 namespace dendrofit {
 namespace {
+
+constexpr double kSurface = 3;  // radii in noises: thinner wood shows no surface
 
 struct Settings {
   double shortest_m;  // of a section: a few point spacings
@@ -45,8 +50,11 @@ class Cutter {
 
   std::vector<Section> cut(const std::vector<Foot>& feet, Progress& progress) {
     for (const Foot& foot : feet) plant(foot);
-    for (std::size_t s = 0; s < sections_.size(); ++s) {
-      if (s % 1024 == 0) progress.check();
+    // Thick wood first: it takes what lies on its surface before a branch that borders on it can.
+    for (std::size_t done = 0; !next_.empty(); ++done) {
+      if (done % 1024 == 0) progress.check();
+      const std::size_t s = next_.top().index;
+      next_.pop();
       grow(s);
     }
     return std::move(sections_);
@@ -57,6 +65,14 @@ class Cutter {
     std::vector<std::uint32_t> points;
     Vec3 mean = Vec3::Zero();
     bool main = false;  // goes on where the parent's cylinder would
+  };
+
+  struct Next {
+    double radius_m;
+    std::size_t index;
+    bool operator<(const Next& other) const {
+      return radius_m != other.radius_m ? radius_m < other.radius_m : index > other.index;
+    }
   };
 
   void plant(const Foot& foot) {
@@ -72,6 +88,7 @@ class Cutter {
     if (root.points.empty()) return;
     for (const std::uint32_t p : root.points) group_[p] = next_group_;
     ++next_group_;
+    next_.push({root.radius_m, sections_.size()});
     sections_.push_back(std::move(root));
     end_.push_back(0);
   }
@@ -201,11 +218,15 @@ class Cutter {
     std::erase_if(groups, [](const Group& g) { return g.points.empty(); });
   }
 
-  /// Thick wood goes on as the parent's cylinder foretells: fits a circle from there, which branches leaving
-  /// within the group hardly disturb.
+  /// Thick wood goes on as the parent's cylinder foretells: the circle that its points and that forecast make
+  /// most likely. A strip of the surface is enough to keep the course, since the radius hardly changes from
+  /// one section to the next; branches that leave within the group get no weight (Tukey).
   bool continue_cylinder(const Section& parent, const Group& group, Section& s) const {
+    constexpr double kShift = 0.06, kChange = 0.06;  // standard deviations a section, in radii
+    constexpr std::size_t kFewest = 5;
+    constexpr double kTukey = 4.685;
     const double noise = std::max(settings_.noise_m, 0.05 * parent.radius_m);
-    if (parent.radius_m < 2.5 * settings_.noise_m || group.points.size() < 10) return false;
+    if (parent.radius_m < 2.5 * settings_.noise_m) return false;
     Vec3 u, v;
     plane_frame(parent.direction, u, v);
     std::vector<Eigen::Vector2d> flat;
@@ -217,17 +238,38 @@ class Cutter {
       along += d.dot(parent.direction);
       near += 1;
     }
-    if (near < 8 || along <= 0) return false;
+    if (near < static_cast<double>(kFewest) || along <= 0) return false;
     along /= near;
-    CircleFit foretold;
-    foretold.ok = true;
-    foretold.radius = parent.radius_m;
-    const CircleFit fit = robust_circle(flat, foretold, noise);
-    if (!fit.ok || fit.coverage < 0.35 || fit.inliers < 8 || fit.radius < 0.65 * parent.radius_m ||
-        fit.radius > 1.12 * parent.radius_m || fit.centre.norm() > 0.4 * parent.radius_m)
+    const double shift_weight = std::pow(noise / (kShift * parent.radius_m), 2);
+    const double change_weight = std::pow(noise / (kChange * parent.radius_m), 2);
+    Eigen::Vector3d circle(0, 0, parent.radius_m);  // centre and radius
+    std::size_t inliers = 0;
+    for (int iteration = 0; iteration < 8; ++iteration) {
+      Eigen::Matrix3d normal = Eigen::Vector3d(shift_weight, shift_weight, change_weight).asDiagonal();
+      Eigen::Vector3d gradient(shift_weight * circle.x(), shift_weight * circle.y(),
+                               change_weight * (circle.z() - parent.radius_m));
+      inliers = 0;
+      for (const Eigen::Vector2d& p : flat) {
+        const Eigen::Vector2d d = p - circle.head<2>();
+        const double distance = d.norm();
+        const double residual = distance - circle.z();
+        const double off = residual / (kTukey * noise);
+        if (std::abs(off) >= 1 || distance <= 0) continue;
+        const double w = (1 - off * off) * (1 - off * off);
+        const Eigen::Vector3d row(-d.x() / distance, -d.y() / distance, -1);
+        normal += w * row * row.transpose();
+        gradient += w * residual * row;
+        inliers += std::abs(residual) < 2 * noise;
+      }
+      const Eigen::Vector3d change = normal.ldlt().solve(gradient);
+      circle -= change;
+      if (change.norm() < 1e-6) break;
+    }
+    if (inliers < kFewest || circle.z() < 0.65 * parent.radius_m || circle.z() > 1.12 * parent.radius_m ||
+        circle.head<2>().norm() > 0.4 * parent.radius_m)
       return false;
-    s.centre = parent.centre + along * parent.direction + fit.centre.x() * u + fit.centre.y() * v;
-    s.radius_m = 0.5 * (fit.radius + parent.radius_m);
+    s.centre = parent.centre + along * parent.direction + circle.x() * u + circle.y() * v;
+    s.radius_m = circle.z();
     const Vec3 ahead = s.centre - parent.centre;
     const double share = ahead.norm() / (ahead.norm() + 2 * parent.radius_m);
     s.direction = ((1 - share) * parent.direction + share * ahead.normalized()).normalized();
@@ -247,7 +289,26 @@ class Cutter {
     Section s = successor(index, parent, group);
     s.extent_m = extent(group, s.direction);
     s.points = std::move(group.points);
+    if (group.main && s.radius_m > kSurface * settings_.noise_m) gather_surface(s);
+    next_.push({s.radius_m, sections_.size()});
     sections_.push_back(std::move(s));
+  }
+
+  /// Adds the points on thick wood's own surface whose paths came up a branch that borders on it.
+  void gather_surface(Section& s) {
+    const double tolerance = std::max(1.5 * settings_.noise_m, 0.15 * s.radius_m);
+    const double half = 0.6 * step(s);
+    const std::uint32_t id = group_[s.points.front()];
+    for (std::size_t m = 0; m < s.points.size(); ++m)
+      for (const std::uint32_t v : graph_.of(s.points[m])) {
+        if (group_[v] != Paths::kNone || !std::isfinite(paths_.length[v])) continue;
+        const Vec3 d = points_[v] - s.centre;
+        const double along = d.dot(s.direction);
+        if (std::abs(along) > half || std::abs((d - along * s.direction).norm() - s.radius_m) > tolerance)
+          continue;
+        group_[v] = id;
+        s.points.push_back(v);
+      }
   }
 
   Section successor(std::int32_t index, const Section& parent, const Group& group) const {
@@ -305,6 +366,7 @@ class Cutter {
         // Too little is seen: the section before tells size and place.
         s.radius_m = std::max(s.radius_m, 0.97 * parent.radius_m);
         s.centre = parent.centre + parent.direction * along;
+        s.direction = parent.direction;
       }
     }
     return s;
@@ -316,6 +378,7 @@ class Cutter {
   PathChildren children_;
   std::vector<std::uint32_t> group_;
   std::vector<Section> sections_;
+  std::priority_queue<Next> next_;
   std::vector<float> end_;  // path length at which each section ends
   std::uint32_t next_group_ = 0;
   Settings settings_{};

@@ -12,10 +12,11 @@
 
 namespace dendrofit {
 
-/// Where points' middle lies and how far from it they are. Medians, because side twigs cross every view.
+/// Where points' middle lies and how far from it they are.
 struct Spread {
   Eigen::Vector2d middle{0, 0};
-  double square = 0;  ///< median squared distance from the middle, corrected for the middle being their own
+  double square = 0;  ///< mean squared distance from the middle, corrected for the middle being their own;
+                      ///< without points beyond several medians, because side twigs cross every view
   std::size_t count = 0;  ///< of points; 0: too few to say anything
 };
 

@@ -58,9 +58,16 @@ void check_depth(const std::vector<Camera>& cameras, const std::vector<Outline>&
                    " cm): pictures from one place show no depth; walk around the tree, 8 places or more");
 }
 
-Outline outline_of(const View& view, std::vector<std::string>& /*warnings*/) {
+Outline outline_of(const View& view, std::vector<std::string>& warnings) {
   if (!view.photo.mask.empty()) return {view.photo.mask, view.photo.width, view.photo.height};
-  throw InputError(view.photo.name + ": has no mask; give one a view (\"mask\" in cameras.json)");
+  try {
+    const Silhouette silhouette = find_silhouette(view.photo);
+    for (const std::string& warning : silhouette.warnings)
+      warnings.push_back(view.photo.name + ": " + warning);
+    return {silhouette.tree, silhouette.width, silhouette.height};
+  } catch (const SolverError& error) {
+    throw SolverError(view.photo.name + ": " + error.what());
+  }
 }
 
 void warn_of_borders(const ViewSet& set, const std::vector<Outline>& outlines,
@@ -82,9 +89,11 @@ void warn_of_borders(const ViewSet& set, const std::vector<Outline>& outlines,
     warnings.push_back("tree touches a side border in " + sides + ": these views say nothing beyond it");
 }
 
-std::string odd_view_warning(const ViewSet& set, std::size_t view, double share) {
-  return name_of(set, view) + " contradicts the others: they explain " + percent(share) +
-         " of its mask; its pose or mask is wrong, and it was left out";
+std::string odd_view_warning(const ViewSet& set, std::size_t view, double explained, double missing) {
+  return name_of(set, view) + " contradicts the others and was left out: they explain " + percent(explained) +
+         " of its mask, and " + percent(missing) +
+         " of what they show lies outside it; its pose is wrong, or its mask (give \"mask\" in the cameras "
+         "file)";
 }
 
 std::string disagreement_warning(const ViewSet& set, const std::vector<std::size_t>& views,

@@ -98,7 +98,7 @@ Margins margins_of(const RenderOptions& options) {
           static_cast<int>(1.6 * size)};
 }
 
-void annotate_panel(const Panel& panel, const RenderOptions& options, const View& view, bool blank,
+void annotate_panel(const Panel& panel, const RenderOptions& options, const PictureView& view, bool blank,
                     Image& image) {
   const double size = text_size(options);
   const double middle = 0.5 * image.width;
@@ -124,7 +124,7 @@ void annotate_panel(const Panel& panel, const RenderOptions& options, const View
   draw_legend(image, legend_of(panel), middle, image.height - 3.5 * size, room, size);
 }
 
-void annotate_row(const RenderOptions& options, const View& view, Image& image) {
+void annotate_row(const RenderOptions& options, const PictureView& view, Image& image) {
   const double size = text_size(options);
   if (options.scale_bar) {
     const double length = round_length(0.5 * 2 * view.centre_x / view.scale);

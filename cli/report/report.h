@@ -42,9 +42,9 @@ struct ReportCurve {
   std::vector<double> cap;    ///< what the growth equation allows to be added each cycle
   std::vector<double> lo;     ///< band about `value`
   std::vector<double> hi;
-  std::string band = "95 % band";  ///< what the band is
   std::vector<std::pair<double, double>>
-      measured;  ///< (time, value) points, e.g. the scan's height at its age
+      measured;                    ///< (time, value) points, e.g. the scan's height at its age
+  std::string band = "95 % band";  ///< what the band is
 };
 
 /// How far the regrown tree is from the scanned one, by descriptor; 0 = the same.
@@ -95,12 +95,13 @@ struct ReportData {
   std::vector<std::pair<std::string, std::string>> leaf_facts;  ///< e.g. ("Leaf area", "34.2 m2")
   std::vector<std::string> warnings;                            ///< plain words
   std::string side_by_side_png;  ///< bytes of the picture; empty: none in the report
+  std::string overlay_png;       ///< bytes of the model drawn over its photograph; empty: no photograph
   ReportProvenance provenance;
 };
 
 struct ReportOptions {
   int max_scan_points = 700'000;  ///< in the 3-D view
-  int max_leaves = 150'000;       ///< in the 3-D view
+  int max_leaves = 120'000;       ///< in the 3-D view
   void validate() const;
 };
 

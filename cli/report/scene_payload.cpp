@@ -51,14 +51,14 @@ Vec3 foot_of(const Tree& tree) {
   return tree.origin_shift + tree.start[0];
 }
 
-std::string wood(const Tree& tree, const Vec3& foot, Blob& blob) {
+std::string wood(const Tree& tree, Blob& blob) {
   std::vector<std::size_t> order(tree.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return tree.birth_cycle[a] < tree.birth_cycle[b]; });
   std::vector<std::int32_t> place(tree.size());
   for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<std::int32_t>(k);
-  const Vec3 shift = tree.origin_shift - foot;
+  const Vec3 shift = tree.origin_shift - foot_of(tree);
   std::vector<Vec3> ends;
   std::vector<float> radius;
   std::vector<float> radius_se;
@@ -91,6 +91,26 @@ std::string wood(const Tree& tree, const Vec3& foot, Blob& blob) {
          ",\"id\":" + blob.add("i32", id) + ",\"birth\":" + blob.add("i16", birth) +
          ",\"order\":" + blob.add("u8", rank) + ",\"quality\":" + blob.add("u8", quality) +
          ",\"continues\":" + blob.add("u8", continues) + "}";
+}
+
+constexpr std::size_t kMostShootCylinders = 60'000;
+
+/// Shoots as bare cylinders; of very many, every so many-th shoot with all its side twigs.
+std::string shoots(const Tree& twigs, const Vec3& foot, Blob& blob) {
+  const Vec3 shift = twigs.origin_shift - foot;
+  const std::size_t step = (twigs.size() + kMostShootCylinders - 1) / kMostShootCylinders;
+  std::vector<Vec3> ends;
+  std::vector<float> radius;
+  std::vector<std::size_t> root(twigs.size());  // which shoot a cylinder belongs to
+  std::size_t roots = 0;
+  for (std::size_t i = 0; i < twigs.size(); ++i) {
+    root[i] = twigs.parent[i] < 0 ? roots++ : root[static_cast<std::size_t>(twigs.parent[i])];
+    if (root[i] % step != 0) continue;
+    ends.push_back(twigs.start[i] + shift);
+    ends.push_back(twigs.end[i] + shift);
+    radius.push_back(static_cast<float>(twigs.radius[i]));
+  }
+  return "{\"ends\":" + quantised(ends, blob) + ",\"radius\":" + blob.add("f32", radius) + "}";
 }
 
 /// 0..n-1 in random order, so that any first part of what it orders is an even sample.
@@ -177,8 +197,8 @@ ScenePayload scene_payload(const ReportData& data, const ReportOptions& options)
   if (data.scan && !data.scan->empty())
     layers.push_back("\"scan\":" + scan(*data.scan, foot, static_cast<std::size_t>(options.max_scan_points),
                                         blob, payload.scan_shown));
-  if (model) layers.push_back("\"model\":" + wood(*model, foot_of(*model), blob));
-  if (regrown) layers.push_back("\"regrown\":" + wood(*regrown, foot_of(*regrown), blob));
+  if (model) layers.push_back("\"model\":" + wood(*model, blob));
+  if (regrown) layers.push_back("\"regrown\":" + wood(*regrown, blob));
   if (data.foliage && data.foliage->size() > 0) {
     const bool on_model = data.leaves_on_model || !regrown;
     const Tree* bearer = on_model ? model : regrown;
@@ -187,7 +207,7 @@ ScenePayload scene_payload(const ReportData& data, const ReportOptions& options)
                                             static_cast<std::size_t>(options.max_leaves), blob,
                                             payload.leaves_shown));
     if (!data.foliage->twigs.empty())
-      layers.push_back("\"shoots\":" + wood(data.foliage->twigs, leaf_foot, blob));
+      layers.push_back("\"shoots\":" + shoots(data.foliage->twigs, leaf_foot, blob));
     layers.push_back(std::string("\"leaves_on\":\"") + (on_model ? "model" : "regrown") + "\"");
   }
   for (const std::string& layer : layers)

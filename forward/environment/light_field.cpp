@@ -13,7 +13,7 @@ namespace dendrofit {
 namespace {
 
 constexpr int kBrickBits = 5;
-constexpr std::int32_t kBrick = 1 << kBrickBits;  // voxels a side
+constexpr int kBrick = 1 << kBrickBits;  // voxels a side
 constexpr std::size_t kBrickCells = std::size_t{kBrick} * kBrick;
 
 int half_width(int q) {
@@ -131,30 +131,37 @@ void LightField::cast(std::span<const Voxel> nodes, const ShadeProfile& profile,
   pending_.push_back(std::move(shadows));
 }
 
-// A layer to write on.
+// A layer to write on, in voxels from the corner of its table of bricks.
 struct LightField::Canvas {
   LightField& field;
   Fixed** const bricks;
-  const std::int64_t width;
-  const std::int32_t x0, y0;  // bricks
+  const std::uint32_t width;  // bricks
+  const std::int32_t x0, y0;
 
   Canvas(LightField& owner, Layer& layer)
       : field(owner),
         bricks(layer.bricks.data()),
-        width(layer.table.width()),
-        x0(layer.table.x0),
-        y0(layer.table.y0) {}
+        width(static_cast<std::uint32_t>(layer.table.width())),
+        x0(layer.table.x0 * kBrick),
+        y0(layer.table.y0 * kBrick) {}
 
-  // Every voxel from x to before `end` in rows from y on: two of a square's four corners.
-  void add(std::int32_t y, std::int32_t x, std::int32_t end, Fixed amount) const {
-    const std::int64_t row = ((y >> kBrickBits) - y0) * width - x0;
-    const std::int32_t line = (y & (kBrick - 1)) << kBrickBits;
-    Fixed*& first = bricks[row + (x >> kBrickBits)];
+  // The square from voxel (x, y) on, `side` voxels wide, as its four corners.
+  void add_square(std::int32_t x, std::int32_t y, std::uint32_t side, Fixed amount) const {
+    const auto left = static_cast<std::uint32_t>(x - x0), low = static_cast<std::uint32_t>(y - y0);
+    const std::uint32_t right = left + side, high = low + side;
+    add_pair(bricks + (low >> kBrickBits) * width, (low % kBrick) * kBrick, left, right, amount);
+    add_pair(bricks + (high >> kBrickBits) * width, (high % kBrick) * kBrick, left, right, -amount);
+  }
+
+ private:
+  void add_pair(Fixed** row, std::uint32_t line, std::uint32_t left, std::uint32_t right,
+                Fixed amount) const {
+    Fixed*& first = row[left >> kBrickBits];
     if (!first) first = field.new_brick();
-    first[line | (x & (kBrick - 1))] += amount;
-    Fixed*& second = bricks[row + (end >> kBrickBits)];
+    first[line + left % kBrick] += amount;
+    Fixed*& second = row[right >> kBrickBits];
     if (!second) second = field.new_brick();
-    second[line | (end & (kBrick - 1))] -= amount;
+    second[line + right % kBrick] -= amount;
   }
 };
 
@@ -164,12 +171,11 @@ void LightField::draw(const Shadows& shadows, std::int32_t z, Layer& layer) {
   for (int q = std::max(0, shadows.lowest - z); q <= shadows.reach() && z + q <= shadows.highest(); ++q) {
     const auto above = static_cast<std::size_t>(z + q - shadows.lowest);
     const int half = half_width(q);
+    const auto side = static_cast<std::uint32_t>(2 * half + 1);
     const Fixed amount = shadows.sign * shadows.profile[q];
-    for (std::uint32_t i = shadows.first[above]; i < shadows.first[above + 1]; ++i) {
-      const Voxel& node = shadows.nodes[i];
-      canvas.add(node.y - half, node.x - half, node.x + half + 1, amount);
-      canvas.add(node.y + half + 1, node.x - half, node.x + half + 1, -amount);
-    }
+    const std::span nodes(shadows.nodes.data() + shadows.first[above],
+                          shadows.nodes.data() + shadows.first[above + 1]);
+    for (const Voxel& node : nodes) canvas.add_square(node.x - half, node.y - half, side, amount);
   }
 }
 
@@ -181,9 +187,7 @@ void LightField::darken(const Voxel& voxel, Fixed amount) {
   layer.reach.add({voxel.x, voxel.y, voxel.x + 1, voxel.y + 1});
   check_memory();
   make_room(layer);
-  const Canvas canvas(*this, layer);
-  canvas.add(voxel.y, voxel.x, voxel.x + 1, amount);
-  canvas.add(voxel.y + 1, voxel.x, voxel.x + 1, -amount);
+  Canvas(*this, layer).add_square(voxel.x, voxel.y, 1, amount);
 }
 
 // Which voxels are asked for, by layer and row.

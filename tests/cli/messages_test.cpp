@@ -86,8 +86,9 @@ TEST(Messages, every_help_has_an_example_and_every_number_its_default) {
       EXPECT_FALSE(spec.help.empty()) << spec.name;
       const bool counts = spec.value_name == "N" || spec.value_name == "NUMBER" ||
                           spec.value_name == "LENGTH" || spec.value_name == "ANGLE";
-      if (counts && spec.default_text.empty())
+      if (counts && spec.default_text.empty()) {
         EXPECT_TRUE(spec.current().empty()) << row.name << " " << spec.name;
+      }
     }
   }
 }

@@ -79,7 +79,10 @@ TEST(Render, TheLegendOfManyOrdersStaysInANarrowPanel) {
   for (const int width : {160, 240, 400}) {
     options.panel_width_px = width;
     options.height_px = 700;
-    const Image image = picture(tree, options);
+    Panel panel;
+    panel.tree = &tree;
+    panel.tree_colour = TreeColour::order;
+    const Image image = render({&panel, 1}, options);
     ASSERT_LE(image.width, width);
     // Every order's swatch, whole, below the tree, and nothing at the picture's very edges.
     for (const Rgb& colour : kOrderColours) {

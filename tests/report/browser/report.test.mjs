@@ -102,6 +102,7 @@ const checks = {
     await page.mouse.move(frame.x + 0.7 * frame.width, frame.y + 0.45 * frame.height, { steps: 4 });
     await page.mouse.up();
     await settle(page);
+    assert.equal(await page.locator('#viewer').getAttribute('data-detail'), '1', 'at rest all of it is drawn');
     const turned = await canvasPixels(page);
     assert.notEqual(turned.hash, before.hash, 'turning');
     await page.mouse.wheel(0, -400);

@@ -8,7 +8,7 @@ const LEAST = 0.02;    // of the whole
 export class Detail {
   /// `parts`: objects with setDetail(share). `resolve(factor)` sets the share of the screen's pixels a side.
   constructor(renderer, parts, resolve, redraw) {
-    Object.assign(this, { renderer, parts, resolve, redraw, share: 1, factor: 1, moving: false });
+    Object.assign(this, { renderer, parts, resolve, redraw, share: 1, shown: 1, factor: 1, moving: false });
   }
 
   /// Called at every move, before the frame is drawn.
@@ -44,6 +44,7 @@ export class Detail {
   }
 
   apply(share) {
+    this.shown = share;
     for (const part of this.parts) part.setDetail(share);
     // Fewer pixels only where the least is drawn already and still takes too long, in steps: each costs new buffers.
     const factor = !this.moving ? 1 : share <= LEAST ? 0.5 : share < 0.1 ? Math.min(this.factor, 0.7) : share > 0.5 ? 1 : this.factor;

@@ -7,7 +7,7 @@ import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { button, checkbox, element, legend, select } from './controls.js';
 import { place, readScene } from './data.js';
 import { Detail } from './detail.js';
-import { ground, leafMeshes, scanPoints } from './others.js';
+import { ground, leafMeshes, scanPoints, shootMesh } from './others.js';
 import { Wood } from './wood.js';
 
 function extentOf(set) {
@@ -60,10 +60,9 @@ function start(host) {
     const bearer = spot[layers.leaves_on];
     bearer.group.add(parts.leaves);
     bearer.box.union(extentOf(layers.leaves.origins));
-    if (layers.shoots) {  // what leaves stand on where the model ends coarser than twigs
-      parts.shoots = new Wood(layers.shoots, colours);
-      parts.shoots.colourBy('bark');
-      parts.leaves.add(parts.shoots.mesh);
+    if (layers.shoots) {
+      parts.shoots = shootMesh(layers.shoots, colours.bark);
+      parts.leaves.add(parts.shoots);
     }
   }
   const present = spots.filter((s) => !s.box.isEmpty());
@@ -90,6 +89,7 @@ function start(host) {
       due = false;
       detail.frame(() => renderer.render(scene, camera));
       host.dataset.moving = detail.moving ? 'yes' : 'no';
+      host.dataset.detail = String(detail.shown);
       host.dataset.frames = String(Number(host.dataset.frames ?? 0) + 1);
     });
   };
@@ -100,7 +100,7 @@ function start(host) {
     camera.aspect = width / Math.max(1, height);
     camera.updateProjectionMatrix();
     if (parts.scan) parts.scan.material.uniforms.pixels.value = 0.5 * height * renderer.getPixelRatio();
-    for (const wood of [parts.model, parts.regrown, parts.shoots]) if (wood) wood.pixel.value = (2 * Math.tan((0.5 * camera.fov * Math.PI) / 180)) / Math.max(1, height);
+    for (const wood of [parts.model, parts.regrown]) if (wood) wood.pixel.value = (2 * Math.tan((0.5 * camera.fov * Math.PI) / 180)) / Math.max(1, height);
     draw();
   };
   const detail = new Detail(renderer, Object.values(parts), resize, draw);

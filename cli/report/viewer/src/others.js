@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The scan's points, the leaves, the ground.
 import {
-  BufferAttribute, BufferGeometry, Color, GridHelper, Group, InstancedMesh, LineBasicMaterial, LineSegments, Matrix4, Mesh,
-  MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, Points, ShaderMaterial, Vector3,
+  BufferAttribute, BufferGeometry, Color, CylinderGeometry, GridHelper, Group, InstancedMesh, LineBasicMaterial, LineSegments, Matrix4, Mesh,
+  MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, Points, Quaternion, ShaderMaterial, Vector3,
 } from 'three';
 import { place } from './data.js';
+
+const UP = new Vector3(0, 1, 0);
 
 /// Quantised positions go to the graphics card as they are; the object's scale turns steps into metres.
 export function scanPoints(set, colour, height) {
@@ -88,6 +90,29 @@ export function leafMeshes(data, colour) {
   const stalks = petioles(data, colour);
   group.add(stalks);
   return group;
+}
+
+/// What leaves stand on where the model ends coarser than twigs. Never thicker than it is: it would hide the leaves.
+export function shootMesh(data, colour) {
+  const geometry = new CylinderGeometry(1, 1, 1, 4, 1, true);
+  geometry.translate(0, 0.5, 0);
+  const count = data.radius.length;
+  const mesh = new InstancedMesh(geometry, new MeshLambertMaterial({ color: colour, side: 2 }), count);
+  const a = new Vector3();
+  const along = new Vector3();
+  const at = [0, 0, 0];
+  const matrix = new Matrix4();
+  const turn = new Quaternion();
+  for (let i = 0; i < count; ++i) {
+    a.fromArray(place(data.ends, 2 * i, at));
+    along.fromArray(place(data.ends, 2 * i + 1, at)).sub(a);
+    const length = Math.max(along.length(), 1e-6);
+    turn.setFromUnitVectors(UP, along.divideScalar(length));
+    mesh.setMatrixAt(i, matrix.compose(a, turn, new Vector3(data.radius[i], length, data.radius[i])));
+  }
+  mesh.frustumCulled = false;
+  mesh.setDetail = (share) => { mesh.visible = share > 0.5; };
+  return mesh;
 }
 
 function petioles(data, colour) {
