@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -68,6 +69,18 @@ double correlation(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const Eig
   return scale > 0 ? weights.dot((x * y).matrix()) / scale : 0;
 }
 
+/// Mean of the simulations that have it; NaN where none has.
+double mean_where_known(const Eigen::VectorXd& values) {
+  double sum = 0;
+  int count = 0;
+  for (const double v : values) {
+    if (!std::isfinite(v)) continue;
+    sum += v;
+    ++count;
+  }
+  return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+}
+
 }  // namespace
 
 std::vector<FittedParameter> report_parameters(const FitProblem& problem, const PosteriorSample& sample,
@@ -130,8 +143,8 @@ std::vector<DescriptorFit> report_descriptors(const FitProblem& problem, const N
   std::vector<DescriptorFit> report;
   for (const Eigen::Index j : metric.used()) {
     const DescriptorRow& row = descriptor_table()[static_cast<std::size_t>(j)];
-    report.push_back({std::string(row.name), std::string(row.unit), problem.observed[j], before.col(j).mean(),
-                      after.col(j).mean(), metric.noise(j)});
+    report.push_back({std::string(row.name), std::string(row.unit), problem.observed[j],
+                      mean_where_known(before.col(j)), mean_where_known(after.col(j)), metric.noise(j)});
   }
   return report;
 }
