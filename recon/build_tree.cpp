@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "recon/build_tree.h"
 
-#include "core/tree_topology.h"
+#include "recon/name_axes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -49,6 +49,7 @@ Tree build_tree(const std::vector<Limb>& limbs, const std::vector<Foot>& feet, c
   Tree tree;
   tree.origin_shift = origin_shift;
   std::vector<std::vector<std::vector<std::int32_t>>> cylinder_at(limbs.size());  // by limb, by node
+  std::vector<double> seen_radius;                                                // of every cylinder
   std::size_t root = 0;
   for (std::size_t l = 0; l < limbs.size(); ++l) {
     const Limb& limb = limbs[l];
@@ -89,10 +90,11 @@ Tree build_tree(const std::vector<Limb>& limbs, const std::vector<Foot>& feet, c
       node.start = from;
       node.end = limb.nodes[i].centre;
       node.parent = parent;
-      double square = 0, se = 0, count = 0;
+      double square = 0, seen = 0, se = 0, count = 0;
       RadiusQuality quality = RadiusQuality::measured;
       for (std::size_t k = first_node; k <= i; ++k) {
         square += limb.nodes[k].radius_m * limb.nodes[k].radius_m;
+        seen += limb.nodes[k].seen_radius_m;
         se += limb.nodes[k].radius_se_m;
         count += 1;
         quality = std::max(quality, limb.nodes[k].quality);
@@ -103,12 +105,13 @@ Tree build_tree(const std::vector<Limb>& limbs, const std::vector<Foot>& feet, c
                          ? RadiusQuality::interpolated
                          : quality;
       parent = tree.add(node);
+      seen_radius.push_back(seen / count);
       for (std::size_t k = first_node; k <= i; ++k) cylinder_at[l][k].push_back(parent);
       from = limb.nodes[i].centre;
       first_node = i + 1;
     }
   }
-  assign_axes_by_thickness(tree);
+  name_axes(tree, seen_radius);
   return tree;
 }
 

@@ -255,6 +255,7 @@ RadiusReport settle_radii(std::vector<Limb>& limbs, const Sights& sights, double
       // No single place is believed to better than a twentieth: bark, burls and crotches.
       const double doubt = kBestShare * limb_radius[i];
       value.push_back(limb_radius[i]);
+      limbs[l].nodes[i].seen_radius_m = limb_radius[i];
       weight.push_back(1 / (1 / limb_weight[i] + doubt * doubt));
     }
   }
