@@ -32,7 +32,7 @@ Stretch first_stretch(const Tree& tree, const TreeChildren& children, const std:
       return beyond[static_cast<std::size_t>(x)] < beyond[static_cast<std::size_t>(y)];
     }));
   }
-  if (radii.size() > 2) radii.erase(radii.begin());  // in the crotch
+  if (radii.size() > 1) radii.erase(radii.begin());  // in the crotch
   const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
   std::nth_element(radii.begin(), middle, radii.end());
   return {*middle, tree.end[at] - tree.start[first]};
