@@ -16,6 +16,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -56,11 +57,12 @@ class Grow : public Command {
 
     const IgmGrowth growth = grow_igm(parameters, site, resolve_options(session, folder), session.progress());
     const TreeMetrics metrics = measure(growth.tree);
-    write_tree_files(folder, growth.tree, metrics, meshes_);
+    const std::vector<TreeMetrics> each = measure_each(growth, site);
+    write_tree_files(folder, growth.tree, metrics, meshes_, each);
     write_file(folder / "growth.csv", growth_series_csv(growth.series));
     write_file(folder / "params.toml", igm_parameters_toml(parameters, {}));
     write_file(folder / "run.toml", run_record(session, inputs()));
-    report(session, growth, metrics, folder);
+    report(session, growth, metrics, each, folder);
     return 0;
   }
 
@@ -128,14 +130,26 @@ class Grow : public Command {
     return files;
   }
 
+  /// Metrics of each tree of a stand in the order of the site; none where one tree stands alone.
+  static std::vector<TreeMetrics> measure_each(const IgmGrowth& growth, const IgmSite& site) {
+    std::vector<TreeMetrics> each;
+    if (site.trees.size() < 2) return each;
+    for (std::size_t t = 0; t < site.trees.size(); ++t) {
+      const Tree tree = tree_of(growth, static_cast<int>(t));
+      each.push_back(tree.empty() ? TreeMetrics() : measure(tree));
+    }
+    return each;
+  }
+
   static void report(const Session& session, const IgmGrowth& growth, const TreeMetrics& metrics,
-                     const fs::path& folder) {
-    session.json(nlohmann::ordered_json{{"output", folder.string()},
-                                        {"last_cycle", growth.last_cycle},
-                                        {"stop_reason", growth.stop_reason},
-                                        {"cylinders", growth.tree.size()},
-                                        {"metrics", nlohmann::ordered_json::parse(metrics_to_json(metrics))}}
-                     .dump(2));
+                     std::span<const TreeMetrics> trees, const fs::path& folder) {
+    session.json(
+        nlohmann::ordered_json{{"output", folder.string()},
+                               {"last_cycle", growth.last_cycle},
+                               {"stop_reason", growth.stop_reason},
+                               {"cylinders", growth.tree.size()},
+                               {"metrics", nlohmann::ordered_json::parse(metrics_to_json(metrics, trees))}}
+            .dump(2));
     const int first = growth.series.empty() ? 0 : growth.series.front().cycle;
     if (first > 0 && growth.last_cycle <= first)
       session.warn(
@@ -144,6 +158,10 @@ class Grow : public Command {
                       first));
     session.say(fmt::format("Grown to cycle {}: {}.", growth.last_cycle, growth.stop_reason));
     say_metrics(session, growth.tree, metrics);
+    for (std::size_t t = 0; t < trees.size(); ++t)
+      session.say(fmt::format("  tree {:<6} {:.2f} m high, {}, {:.4g} m3 of wood", t + 1, trees[t].height_m,
+                              trees[t].dbh_m ? fmt::format("DBH {:.1f} cm", 100 * *trees[t].dbh_m) : "no DBH",
+                              trees[t].total_volume_m3));
     session.say("Written to " + folder.string() + ": qsm.csv, metrics.json, growth.csv, params.toml");
   }
 

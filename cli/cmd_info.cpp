@@ -5,6 +5,8 @@
 #include "io/file_info.h"
 #include "io/metrics_json.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -13,10 +15,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+std::size_t roots_of(const Tree& tree) {
+  return static_cast<std::size_t>(std::count(tree.parent.begin(), tree.parent.end(), -1));
+}
+
 Json to_json(const std::filesystem::path& file, const FileInfo& info) {
   Json json = {{"file", file.string()}, {"kind", info.kind}, {"format", info.format}, {"bytes", info.bytes}};
   if (info.cloud) json["points"] = info.cloud->size();
-  if (info.tree) json["cylinders"] = info.tree->size();
+  if (info.tree) {
+    json["cylinders"] = info.tree->size();
+    json["roots"] = roots_of(*info.tree);
+  }
   if (!info.bounds.empty()) {
     const auto triple = [](const Vec3& v) { return Json{v.x(), v.y(), v.z()}; };
     json["bounds"] = {{"min", triple(info.bounds.lo)}, {"max", triple(info.bounds.hi)}};
@@ -26,6 +35,13 @@ Json to_json(const std::filesystem::path& file, const FileInfo& info) {
     json["rows"] = info.rows;
   }
   if (info.kind == "mesh") json["triangles"] = info.rows;
+  if (info.cloud && !info.cloud->scanner_positions.empty()) {
+    json["scanner_positions"] = Json::array();
+    for (const Vec3& p : info.cloud->scanner_positions) {
+      const Vec3 world = p + info.cloud->origin_shift;
+      json["scanner_positions"].push_back({world.x(), world.y(), world.z()});
+    }
+  }
   for (const auto& [key, value] : info.details)
     if (!json.contains(key)) json[key] = value;
   if (!info.crs_wkt.empty()) json["crs"] = info.crs_wkt;
@@ -40,7 +56,7 @@ class Info : public Command {
   }
 
   int run(Session& session) override {
-    const FileInfo info = describe_file(file_);
+    const FileInfo info = describe_file(file_, session.progress());
     session.json(to_json(file_, info).dump(2));
     session.say(fmt::format("{}: {} ({}), {} bytes", file_.string(), info.kind, info.format, info.bytes));
     if (info.cloud) session.say(fmt::format("  points      {}", info.cloud->size()));
@@ -57,6 +73,12 @@ class Info : public Command {
       session.say(fmt::format("  size        {:.3f} x {:.3f} x {:.3f} m", size.x(), size.y(), size.z()));
     }
     if (!info.crs_wkt.empty()) session.say("  CRS         " + info.crs_wkt);
+    if (info.cloud && !info.cloud->scanner_positions.empty())
+      session.say(fmt::format("  scanners    {} positions (--json lists them)",
+                              info.cloud->scanner_positions.size()));
+    if (info.tree && roots_of(*info.tree) > 1)
+      session.say(
+          fmt::format("  roots       {} (what follows is of all stems together)", roots_of(*info.tree)));
     if (info.tree) say_metrics(session, *info.tree, measure(*info.tree));
     return 0;
   }

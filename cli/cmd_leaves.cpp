@@ -7,8 +7,10 @@
 #include "cli/parse.h"
 #include "cli/tree_files.h"
 #include "core/atomic_file.h"
+#include "io/export_canopy.h"
 #include "io/read_cloud.h"
 #include "io/read_tree.h"
+#include "io/write_tree.h"
 
 #include <optional>
 
@@ -26,11 +28,16 @@ class Leaves : public Command {
     options.path("--measured", measured_, "Leaf points of a leaf-on scan: leaves go where these are");
     options.texts("--mesh", meshes_, "obj|ply|glb",
                   "Mesh formats of the leaves (default obj and glb); may be repeated");
+    options.texts("--export", exports_, "helios|less|eradiate",
+                  "Input for HELIOS++, LESS or Eradiate, in a folder of that name; may be repeated");
   }
 
   int run(Session& session) override {
     need_output(output_);
     check_mesh_formats(meshes_);
+    for (const std::string& target : exports_)
+      if (target != "helios" && target != "less" && target != "eradiate")
+        throw UsageError("--export " + target + ": expected helios, less or eradiate");
     LeafOptions options = settings_.resolve(session.common());
     const Tree tree = read_tree(tree_);
     std::vector<std::filesystem::path> inputs = {tree_};
@@ -44,17 +51,28 @@ class Leaves : public Command {
     const std::string json = leaves_json(result);
     write_leaf_files(folder, result.foliage, json,
                      meshes_.empty() ? std::vector<std::string>{"obj", "glb"} : meshes_);
+    write_qsm_csv(folder / "qsm.csv", tree);  // what leaves.csv calls cylinders
+    for (const std::string& target : exports_) write_export(folder / target, target, tree, result.foliage);
     write_file(folder / "run.toml", run_record(session, inputs));
     session.json(json);
     say_leaves(session, result);
-    session.say("Written to " + folder.string() + ": leaves.csv, leaves.json and meshes");
+    session.say("Written to " + folder.string() + ": leaves.csv, leaves.json, qsm.csv and meshes");
     return 0;
   }
 
  private:
+  static void write_export(const std::filesystem::path& folder, const std::string& target, const Tree& tree,
+                           const Foliage& foliage) {
+    std::filesystem::create_directories(folder);
+    if (target == "less") return export_less(folder, tree, foliage);
+    if (target == "eradiate") return export_eradiate(folder, tree, foliage);
+    const bool needles = foliage.shapes.front().name.starts_with("needle");
+    export_helios(folder, tree, foliage, needles ? "conifer" : "deciduous");
+  }
+
   std::filesystem::path tree_, output_, measured_;
   LeafSettings settings_;
-  std::vector<std::string> meshes_;
+  std::vector<std::string> meshes_, exports_;
 };
 
 }  // namespace

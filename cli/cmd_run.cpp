@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// dendrofit run SCAN -o DIR: the main job, every stage in turn.
+// dendrofit run SCAN|PHOTO -o DIR: the main job, every stage in turn.
 #include "cli/commands.h"
 #include "cli/fit_settings.h"
 #include "cli/igm_files.h"
 #include "cli/leaf_settings.h"
 #include "cli/leaves_output.h"
+#include "cli/observed_tree.h"
 #include "cli/output_folder.h"
 #include "cli/parse.h"
 #include "cli/reconstruct_settings.h"
@@ -12,8 +13,9 @@
 #include "cli/stopwatch.h"
 #include "cli/tree_files.h"
 #include "core/atomic_file.h"
-#include "fit/search_space.h"
+#include "fit/direct_estimates.h"
 #include "fit/tree_simulator.h"
+#include "forward/leaves/measured_profile.h"
 #include "io/metrics_json.h"
 #include "io/write_mesh.h"
 
@@ -28,29 +30,31 @@ namespace fs = std::filesystem;
 class Run : public Command {
  public:
   void declare(OptionTable& options) override {
-    options.positional("SCAN", scan_,
-                       "Point cloud of one tree: .las .laz .ply .pcd .xyz .txt .csv .pts .asc");
+    options.positional(
+        "SCAN", scan_,
+        "Point cloud of one tree (.las .laz .ply .pcd .xyz .txt .csv .pts .asc .e57 .ptx), or a "
+        "photograph (.jpg .png)",
+        false);
     options.path("--output", output_, "Folder for the results", "-o");
-    fit_.budget = "300";
+    fit_.budget = "120";
     fit_.declare(options);
     leaves_.declare(options);
     reconstruct_.declare(options);
+    photo_.declare(options);
   }
 
   int run(Session& session) override {
     need_output(output_);
-    const ReconstructOptions reconstruct_options = reconstruct_.resolve(session.common());
-    const FitOptions fit_options = fit_.resolve(session.common());
-    const LeafOptions leaf_options = leaves_.resolve(session.common());
+    photo_.check(scan_);
+    reconstruct_.resolve(session.common());
+    FitOptions fit_options = fit_.resolve(session);
+    LeafOptions leaf_options = leaves_.resolve(session.common());
     Stopwatch watch;
 
-    const PointCloud scan = reconstruct_.read_scan(session, scan_, session.progress());
     const fs::path folder = prepare_output_folder(output_, session.common());
-    watch.lap("read scan");
-
-    const Reconstruction model = reconstruct(scan, reconstruct_options, session.progress());
-    write_reconstruction(folder, model, {"obj", "glb"});
-    say_reconstruction(session, model);
+    const ObservedTree observed = observe_tree(session, scan_, reconstruct_, photo_, folder, {"obj", "glb"});
+    const Reconstruction& model = observed.model;
+    if (observed.one_view) fit_options.observed_from = ObservedFrom::one_view;
     watch.lap("reconstruct");
 
     const TreeFit fit = fit_tree(model.tree, fit_options, session.progress());
@@ -67,14 +71,21 @@ class Run : public Command {
     say_metrics(session, regrown.tree, regrown_metrics);
     watch.lap("regrow");
 
+    // A leaf-on scan shows at which heights its tree carries leaves: so does the regrown one.
+    if (!model.leaf_points.empty() && !leaf_options.profile.height) {
+      leaf_options.profile.height = measured_heights(model.leaf_points, model.tree);
+      session.say(fmt::format("  leaf heights follow the scan's {} leaf points", model.leaf_points.size()));
+    }
     const LeafResult leaves = insert_leaves(regrown.tree, leaf_options, session.progress());
     write_leaf_files(folder, leaves.foliage, leaves_json(leaves), {"obj", "glb"});
     write_scene_glb(folder / "regrown_with_leaves.glb", regrown.tree, leaves.foliage);
     say_leaves(session, leaves);
     watch.lap("leaves");
 
-    write_run_report(folder, {session, scan_, scan, model, fit, regrown, regrown_metrics, leaves, watch});
-    write_file(folder / "run.toml", run_record(session, {scan_}));
+    write_run_report(folder, {session, observed, fit, regrown, regrown_metrics, leaves, watch});
+    std::vector<fs::path> inputs = observed.inputs;
+    for (const fs::path& other : fit_.inputs()) inputs.push_back(other);
+    write_file(folder / "run.toml", run_record(session, inputs));
     say_all(session, folder, model, fit, regrown_metrics, leaves);
     return 0;
   }
@@ -106,6 +117,7 @@ class Run : public Command {
 
   fs::path scan_, output_;
   ReconstructSettings reconstruct_;
+  PhotoSettings photo_;
   FitSettings fit_;
   LeafSettings leaves_;
 };

@@ -10,6 +10,7 @@
 #include "io/metrics_json.h"
 #include "io/read_tree.h"
 #include "io/write_cloud.h"
+#include "io/write_mesh.h"
 #include "io/write_tree.h"
 
 #include <fmt/format.h>
@@ -58,6 +59,7 @@ class Scan : public Command {
     options.ground_radius_m = ground_m_ > 0 ? std::optional<double>(ground_m_) : std::nullopt;
     options.validate();
     const LeafOptions leaf_options = leaves_.resolve(session.common());
+    check_cloud_format(output_);
     prepare_output_file(output_, session.common());
     const Tree tree = read_tree(tree_);
     LeafResult leaves;
@@ -73,6 +75,7 @@ class Scan : public Command {
     write_point_cloud(output_, scan.cloud);
     write_qsm_csv(beside("_truth.csv"), tree);
     write_truth(scan, tree);
+    if (leaf_on_) write_leaves_csv(beside("_leaves.csv"), leaves.foliage);
     if (hits_) write_hits(scan);
     write_file(beside("_run.toml"), run_record(session, {tree_}));
 

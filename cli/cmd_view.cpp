@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// dendrofit view WHAT --png FILE
+// dendrofit view WHAT --png FILE | --html FILE
 #include "cli/commands.h"
 #include "cli/output_folder.h"
 #include "cli/parse.h"
 #include "cli/report/annotations.h"
 #include "cli/report/render.h"
+#include "cli/report/report.h"
+#include "cli/result_folder.h"
+#include "cli/version.h"
+#include "core/atomic_file.h"
 #include "core/errors.h"
 #include "io/file_info.h"
 #include "io/read_cloud.h"
-#include "io/read_mesh.h"
-#include "io/read_tree.h"
 
+#include <algorithm>
+#include <cctype>
 #include <deque>
 #include <sstream>
 
@@ -21,24 +25,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A mesh of leaves as one instance of one shape: what the renderer draws.
-Foliage as_foliage(TriangleMesh mesh) {
-  Foliage foliage;
-  foliage.origin_shift = mesh.origin_shift;
-  LeafShape shape;
-  shape.vertices = std::move(mesh.vertices);
-  shape.triangles = std::move(mesh.triangles);
-  foliage.shapes.push_back(std::move(shape));
-  Leaf leaf;
-  leaf.length_m = 1;
-  foliage.leaves.push_back(leaf);
-  return foliage;
-}
-
 TreeColour colour_from(const std::string& word) {
   if (word == "quality") return TreeColour::quality;
   if (word == "radius") return TreeColour::radius;
   if (word == "bark") return TreeColour::bark;
+  if (word == "age") return TreeColour::birth_cycle;
   return TreeColour::order;
 }
 
@@ -69,6 +60,8 @@ class View : public Command {
     options.positional("WHAT", what_,
                        "A folder of results (of run, reconstruct, grow, leaves), a point cloud or a QSM");
     options.path("--png", png_, "The picture to write");
+    options.path("--html", html_,
+                 "A page to look at it in three dimensions, with a growth slider where it was grown");
     options.path("--scan", scan_, "Point cloud to show beside a folder's trees");
     options.number("--azimuth", azimuth_, Quantity::angle,
                    "Look north from the south (0), west from the east (90), ...");
@@ -76,15 +69,57 @@ class View : public Command {
     options.number("--perspective", perspective_, Quantity::angle,
                    "Opening angle; without it true lengths across the line of sight");
     options.text("--zoom", zoom_, "X0,Y0,Z0,X1,Y1,Z1", "Show this box only, metres about the tree's foot");
-    options.choice("--colour", colour_, {"order", "quality", "radius", "bark"},
-                   "What the colour of wood stands for");
+    options.choice("--colour", colour_, {"order", "quality", "radius", "bark", "age"},
+                   "What the colour of wood stands for (age: of the wood of a grown tree)");
     options.flag("--cylinders", cylinders_, "The cylinders as they are, not smoothed to stems and branches");
     options.integer("--width", width_, "Of one panel, pixels at most");
     options.integer("--height", height_, "Of the picture, pixels at most");
   }
 
   int run(Session& session) override {
-    if (png_.empty()) throw UsageError("view: no picture named; give --png FILE");
+    if (png_.empty() && html_.empty())
+      throw UsageError("view: nothing to write named; give --png FILE, --html FILE or both");
+    need_extension(png_, "--png", {".png"});
+    need_extension(html_, "--html", {".html", ".htm"});
+    const RenderOptions options = render_options(session);
+    for (const fs::path& file : {png_, html_})
+      if (!file.empty()) prepare_output_file(file, session.common());
+
+    if (fs::is_directory(what_))
+      add_folder(session);
+    else
+      add_file(what_);
+    if (panels_.empty())
+      throw IoError(fmt::format(
+          "{}: nothing to show; expected a folder with qsm.csv, regrown/qsm.csv, leaves.glb or leaves.obj",
+          what_.string()));
+    const Image image =
+        render(std::vector<Panel>(panels_.begin(), panels_.end()), options, session.progress());
+    if (!png_.empty()) {
+      write_png(png_, image);
+      session.say(fmt::format("Written: {} ({} x {} pixels)", png_.string(), image.width, image.height));
+    }
+    if (!html_.empty()) {
+      write_page(session, image);
+      session.say("Written: " + html_.string());
+    }
+    session.json(fmt::format("{{\"width\": {}, \"height\": {}, \"panels\": {}}}", image.width, image.height,
+                             panels_.size()));
+    return 0;
+  }
+
+ private:
+  static void need_extension(const fs::path& file, const std::string& option,
+                             const std::vector<std::string>& allowed) {
+    if (file.empty()) return;
+    std::string extension = file.extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (std::find(allowed.begin(), allowed.end(), extension) == allowed.end())
+      throw UsageError(fmt::format("{} {}: this option writes {} files only; end the name in {}", option,
+                                   file.string(), allowed.front().substr(1), allowed.front()));
+  }
+
+  RenderOptions render_options(const Session& session) const {
     RenderOptions options;
     options.camera.azimuth_deg = azimuth_;
     options.camera.elevation_deg = elevation_;
@@ -94,26 +129,29 @@ class View : public Command {
     options.height_px = height_;
     options.threads = session.common().threads;
     options.validate();
-    prepare_output_file(png_, session.common());
-
-    if (fs::is_directory(what_))
-      add_folder(session);
-    else
-      add_file(what_);
-    if (panels_.empty())
-      throw IoError(
-          fmt::format("{}: nothing to show; expected a folder with qsm.csv, regrown/qsm.csv or leaves.obj",
-                      what_.string()));
-    const Image image =
-        render(std::vector<Panel>(panels_.begin(), panels_.end()), options, session.progress());
-    write_png(png_, image);
-    session.json(fmt::format("{{\"width\": {}, \"height\": {}, \"panels\": {}}}", image.width, image.height,
-                             panels_.size()));
-    session.say(fmt::format("Written: {} ({} x {} pixels)", png_.string(), image.width, image.height));
-    return 0;
+    return options;
   }
 
- private:
+  void write_page(Session& session, const Image& image) const {
+    ReportData data;
+    const fs::path named = what_.has_filename() ? what_ : what_.parent_path();
+    data.title = fs::is_directory(what_) ? named.filename().string() : named.stem().string();
+    if (!clouds_.empty()) data.scan = &clouds_.front();
+    const auto pointer = [](const auto& held) { return held ? &*held : nullptr; };
+    data.model = pointer(folder_.model);
+    data.regrown = pointer(folder_.regrown);
+    data.foliage = pointer(folder_.foliage);
+    data.leaves_on_model = folder_.bearer() == data.model;
+    data.model_metrics = pointer(folder_.model_metrics);
+    data.regrown_metrics = pointer(folder_.regrown_metrics);
+    data.curves = folder_.curves;
+    data.side_by_side_png = encode_png(image);
+    data.provenance.version = version();
+    data.provenance.command_line = fmt::format("dendrofit view {}", named.filename().string());
+    data.provenance.input_name = named.filename().string();
+    write_file(html_, make_report(data, {}, session.progress()));
+  }
+
   Panel& add_panel(const std::string& title, const std::string& subtitle) {
     Panel panel;
     panel.title = title;
@@ -125,8 +163,7 @@ class View : public Command {
   }
 
   void add_tree(const std::string& title, const Tree& tree) {
-    trees_.push_back(tree);
-    add_panel(title, with_thousands(tree.size()) + " cylinders").tree = &trees_.back();
+    add_panel(title, with_thousands(tree.size()) + " cylinders").tree = &tree;
   }
 
   void add_cloud(const std::string& title, PointCloud cloud) {
@@ -135,33 +172,38 @@ class View : public Command {
   }
 
   void add_folder(Session& session) {
+    folder_ = read_result_folder(what_);
     if (!scan_.empty()) add_cloud("Scan", read_point_cloud(scan_, {}, session.progress()));
-    if (fs::exists(what_ / "qsm.csv")) add_tree("Model", read_tree(what_ / "qsm.csv"));
-    if (fs::exists(what_ / "regrown" / "qsm.csv"))
-      add_tree("Regrown", read_tree(what_ / "regrown" / "qsm.csv"));
-    if (!scan_.empty() && !trees_.empty())  // the scan stands where its model stands
-      panels_.front().anchor = trees_.front().origin_shift + trees_.front().start[0];
-    if (!fs::exists(what_ / "leaves.obj")) return;
-    leaves_.push_back(as_foliage(read_mesh(what_ / "leaves.obj")));
-    Panel& panel = add_panel("With leaves", "");
-    panel.foliage = &leaves_.back();
-    panel.tree = trees_.empty() ? nullptr : &trees_.back();
+    if (folder_.model) add_tree("Model", *folder_.model);
+    if (folder_.regrown) add_tree(folder_.model ? "Regrown" : "Grown", *folder_.regrown);
+    const Tree* first = folder_.model ? &*folder_.model : folder_.bearer();
+    if (!scan_.empty() && first)  // the scan stands where its model stands
+      panels_.front().anchor = first->origin_shift + first->start[0];
+    if (!folder_.foliage) return;
+    Panel& panel =
+        add_panel("With leaves",
+                  folder_.leaf_count > 0 ? with_thousands(folder_.leaf_count) + " leaves" : std::string());
+    panel.foliage = &*folder_.foliage;
+    panel.tree = folder_.bearer();
     panel.tree_colour = TreeColour::bark;
   }
 
   void add_file(const fs::path& file) {
-    const FileInfo info = describe_file(file);
+    FileInfo info = describe_file(file);
     const std::string name = file.filename().string();
-    if (info.tree)
-      add_tree(name, *info.tree);
-    else if (info.cloud)
-      add_cloud(name, *info.cloud);
-    else
+    if (info.tree) {
+      folder_.model = std::move(info.tree);
+      folder_.model_metrics = measure(*folder_.model);
+      add_tree(name, *folder_.model);
+    } else if (info.cloud) {
+      add_cloud(name, std::move(*info.cloud));
+    } else {
       throw IoError(fmt::format("{}: a {} ({}); view shows folders of results, point clouds and QSMs",
                                 file.string(), info.kind, info.format));
+    }
   }
 
-  fs::path what_, png_, scan_;
+  fs::path what_, png_, html_, scan_;
   double azimuth_ = 0;
   double elevation_ = 0;
   std::optional<double> perspective_;
@@ -170,10 +212,8 @@ class View : public Command {
   bool cylinders_ = false;
   int width_ = RenderOptions{}.panel_width_px;
   int height_ = RenderOptions{}.height_px;
-  // Deques: panels point at their elements.
-  std::deque<Tree> trees_;
-  std::deque<PointCloud> clouds_;
-  std::deque<Foliage> leaves_;
+  ResultFolder folder_;
+  std::deque<PointCloud> clouds_;  // a deque: panels point at its elements
   std::deque<Panel> panels_;
 };
 

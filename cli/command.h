@@ -44,13 +44,19 @@ class Session {
   void warn(const std::string& line) const;
   /// The one JSON object of --json; does nothing without it. `text` is a complete object.
   void json(const std::string& text) const;
+  bool json_written() const { return json_written_; }
 
  private:
   std::string_view command_;
   const CommonOptions& common_;
   const OptionTable& options_;
   Progress& progress_;
+  mutable bool json_written_ = false;
 };
+
+/// What --json prints where there is no result: {"error": {"code", "kind", "message"}}, the code being the
+/// exit code and the kind its name (usage, bad_input, no_answer, interrupted, fault).
+std::string error_json(int code, const std::string& message);
 
 /// Lives for one invocation: declare() binds options to its members, run() does the job and returns the exit
 /// code.

@@ -25,7 +25,7 @@ constexpr auto kCommands = std::to_array<CommandRow>({
     {"info", "what a file holds", "dendrofit info tree.las", &make_info},
     {"convert", "between point cloud, QSM and mesh formats", "dendrofit convert tree.las tree.ply",
      &make_convert},
-    {"view", "a picture of results, a point cloud or a QSM, without a display",
+    {"view", "a picture or page of results, a point cloud or a QSM, without a display",
      "dendrofit view result --png tree.png --azimuth 30 --elevation 15", &make_view},
 });
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/fit_settings.h"
 
+#include "cli/bank_file.h"
 #include "cli/igm_files.h"
 #include "cli/parse.h"
 #include "core/atomic_file.h"
+#include "io/read_table.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,12 +23,18 @@ void FitSettings::declare(OptionTable& options) {
                "Parameter sets to try, or a time such as 8min (then results depend on the machine)");
   options.number("--age", age_years, Quantity::pure,
                  "Age of the tree in years (default: searched, in growth cycles)");
+  options.path("--heights", heights,
+               "Table of this tree's dated heights (time in years, value in metres): fixes the time course");
   options.number("--internode-length", internode_length_m, Quantity::length,
                  "Internode length of the model (default: by the tree's height)");
   options.choice("--equation", equation, {"logistic", "bertalanffy", "weibull"}, "Growth equation");
 }
 
-FitOptions FitSettings::resolve(const CommonOptions& common) const {
+std::vector<std::filesystem::path> FitSettings::inputs() const {
+  return heights.empty() ? std::vector<std::filesystem::path>{} : std::vector{heights};
+}
+
+FitOptions FitSettings::resolve(const Session& session) const {
   FitOptions options;
   const bool plain = !budget.empty() && std::all_of(budget.begin(), budget.end(),
                                                     [](unsigned char c) { return std::isdigit(c); });
@@ -44,8 +52,21 @@ FitOptions FitSettings::resolve(const CommonOptions& common) const {
   options.age_years = age_years;
   options.internode_length_m = internode_length_m;
   options.equation = equation;
-  options.seed = common.seed;
-  options.threads = common.threads;
+  if (!heights.empty()) {
+    const std::vector<MeasurementSeries> series = read_measurements(heights);
+    if (series.size() > 1)
+      throw UsageError(
+          fmt::format("--heights {}: holds {} series; keep the rows of the one tree that is fitted",
+                      heights.string(), series.size()));
+    options.heights = series.front();
+  }
+  options.bank = installed_bank();
+  if (!options.bank)
+    session.warn(
+        "share/dendrofit/igm.bank is not beside the program: part of the budget goes into simulating the "
+        "prior");
+  options.seed = session.common().seed;
+  options.threads = session.common().threads;
   options.validate();
   return options;
 }
@@ -57,6 +78,9 @@ std::string fit_json(const TreeFit& fit) {
                          {"lo", p.lo},
                          {"hi", p.hi},
                          {"level", 0.9},
+                         {"median", p.median},
+                         {"lo50", p.lo50},
+                         {"hi50", p.hi50},
                          {"unit", p.unit},
                          {"bounds", {p.prior_lo, p.prior_hi}},
                          {"shrinkage", p.shrinkage},
@@ -75,6 +99,21 @@ std::string fit_json(const TreeFit& fit) {
                            {"after", d.after},
                            {"cost_before", off(d.before, d)},
                            {"cost_after", off(d.after, d)}});
+  Json correlated = Json::array();
+  for (const CorrelatedPair& c : fit.correlated)
+    correlated.push_back({{"parameters", {c.first, c.second}}, {"correlation", c.correlation}});
+  Json evidence = Json::array();
+  for (const EquationEvidence& e : fit.evidence)
+    evidence.push_back(
+        {{"equation", e.equation}, {"probability", e.probability}, {"log10_evidence", e.log10_evidence}});
+  Json trees = Json::array();
+  for (const PosteriorTree& tree : fit.posterior_trees) {
+    Json values = Json::object();
+    for (const FittedParameter& p : fit.parameters) values[p.key] = tree.parameters.get(p.key);
+    trees.push_back({{"seed", tree.seed}, {"cost", tree.cost}, {"parameters", values}});
+  }
+  const DirectEstimates& direct = fit.direct;
+  const auto or_null = [](const std::optional<double>& v) { return v ? Json(*v) : Json(); };
   const Json json = {{"model", fit.model},
                      {"equation", fit.best.equation},
                      {"parameters", parameters},
@@ -88,15 +127,41 @@ std::string fit_json(const TreeFit& fit) {
                        {"sigma", fit.best.sigma},
                        {"b_min", fit.best.b_min},
                        {"b_max", fit.best.b_max}}},
+                     {"direct",
+                      {{"height_m", direct.height_m},
+                       {"dbh_m", or_null(direct.dbh_m)},
+                       {"internode_length_m", direct.internode_length_m},
+                       {"size_internodes", direct.size_internodes},
+                       {"pipe_exponent", direct.pipe_exponent},
+                       {"forks", direct.forks},
+                       {"branches", direct.branches},
+                       {"branch_angle_deg", or_null(direct.branch_angle_deg)},
+                       {"bend_deg", or_null(direct.bend_deg)}}},
                      {"years_per_cycle", fit.years_per_cycle},
                      {"age_known", fit.age_known},
+                     {"course_known", fit.course_known},
+                     {"correlated", correlated},
+                     {"equations", evidence},
+                     {"prior_simulations", fit.prior_simulations},
+                     {"used_bank", fit.used_bank},
+                     {"comparison",
+                      {{"visible_share", fit.comparison.visible_share},
+                       {"shortest_axis_share", fit.comparison.shortest_axis_share}}},
                      {"cost_before", fit.cost_before},
                      {"cost_after", fit.cost_after},
                      {"seed_floor", fit.seed_floor},
                      {"descriptors", descriptors},
+                     {"refinement",
+                      {{"tried", fit.refinement.tried},
+                       {"kept", fit.refinement.kept},
+                       {"cost_without", fit.refinement.cost_without},
+                       {"cost_with", fit.refinement.cost_with},
+                       {"outcome", fit.refinement.outcome}}},
+                     {"posterior_trees", trees},
                      {"evaluations", fit.evaluations},
                      {"seed", fit.seed},
                      {"best_seed", fit.best_seed},
+                     {"seconds", fit.seconds},
                      {"converged", fit.converged},
                      {"stop_reason", fit.stop_reason},
                      {"warnings", fit.warnings}};

@@ -8,18 +8,23 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace dendrofit::cli {
 
 struct FitSettings {
-  std::string budget = "500";
+  std::string budget = "200";
   std::optional<double> age_years;
   std::optional<double> internode_length_m;
   std::string equation = "logistic";
+  std::filesystem::path heights;
 
   void declare(OptionTable& options);
-  /// --budget is a number of parameter sets ("500") or a time ("8min"). Throws UsageError for neither.
-  FitOptions resolve(const CommonOptions& common) const;
+  /// --budget is a number of parameter sets ("500") or a time ("8min"). Throws UsageError for neither, and
+  /// for a table of heights that holds several series. Warns where the bank of prior simulations is missing.
+  FitOptions resolve(const Session& session) const;
+  /// Files besides the tree that the fit reads.
+  std::vector<std::filesystem::path> inputs() const;
 };
 
 /// fit.json's content.

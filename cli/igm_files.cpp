@@ -11,6 +11,7 @@
 #include <map>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace dendrofit::cli {
 namespace {
@@ -41,7 +42,11 @@ IgmParameters from_entries(const std::vector<TomlEntry>& entries, const fs::path
   for (const TomlEntry& entry : entries)
     if (entry.key == "preset") parameters = igm_preset(toml_text(entry, file.string())).parameters;
   apply_entries(parameters, entries, file);
-  parameters.validate();
+  try {
+    parameters.validate();
+  } catch (const InputError& error) {
+    throw InputError(file.string() + ": " + error.what());
+  }
   return parameters;
 }
 
@@ -78,6 +83,30 @@ Blocks blocks_of(const fs::path& file) {
   throw InputError(
       fmt::format("{}: [[{}]] has no key '{}'; expected {}", place(file, entry), block, entry.key, known));
 }
+
+/// One block of a site file, all of whose keys are needed.
+struct Block {
+  const fs::path& file;
+  const std::string& name;
+  const std::vector<TomlEntry>& entries;
+
+  void expect(const std::vector<std::string>& keys) const {
+    const std::string known = fmt::format("{}", fmt::join(keys, ", "));
+    for (const TomlEntry& entry : entries)
+      if (std::find(keys.begin(), keys.end(), entry.key) == keys.end()) unknown_key(file, entry, name, known);
+    for (const std::string& key : keys)
+      if (!find(key))
+        throw InputError(fmt::format("{}: a [[{}]] has no {}; it needs {}", file.string(), name, key, known));
+  }
+  const TomlEntry& operator[](const std::string& key) const { return *find(key); }
+
+ private:
+  const TomlEntry* find(const std::string& key) const {
+    const auto found = std::find_if(entries.begin(), entries.end(),
+                                    [&](const TomlEntry& entry) { return entry.key == key; });
+    return found == entries.end() ? nullptr : &*found;
+  }
+};
 
 IgmTreeSite tree_site(const std::vector<TomlEntry>& entries, const fs::path& file,
                       const IgmParameters& common) {
@@ -160,32 +189,19 @@ IgmSite load_site(const fs::path& file, const IgmParameters& parameters) {
   IgmSite site;
   for (const auto& [id, entries] : blocks_of(file)) {
     const std::string& name = id.first;
+    const Block block{file, name, entries};
     if (name == "tree") {
       site.trees.push_back(tree_site(entries, file, parameters));
     } else if (name == "box") {
-      SolidBox& box = site.solids.boxes.emplace_back();
-      for (const TomlEntry& entry : entries)
-        if (entry.key == "min")
-          box.min = triple(entry, file);
-        else if (entry.key == "max")
-          box.max = triple(entry, file);
-        else
-          unknown_key(file, entry, name, "min, max");
+      block.expect({"min", "max"});
+      site.solids.boxes.push_back({triple(block["min"], file), triple(block["max"], file)});
     } else if (name == "halfspace") {
-      SolidHalfSpace& plane = site.solids.half_spaces.emplace_back();
-      for (const TomlEntry& entry : entries)
-        if (entry.key == "point")
-          plane.point = triple(entry, file);
-        else if (entry.key == "normal")
-          plane.normal = triple(entry, file);
-        else
-          unknown_key(file, entry, name, "point, normal");
+      block.expect({"point", "normal"});
+      site.solids.half_spaces.push_back({triple(block["point"], file), triple(block["normal"], file)});
     } else {
-      for (const TomlEntry& entry : entries) {
-        if (entry.key != "file") unknown_key(file, entry, name, "file");
-        const fs::path given = toml_text(entry, file.string());
-        site.solids.meshes.push_back(read_mesh(given.is_absolute() ? given : file.parent_path() / given));
-      }
+      block.expect({"file"});
+      const fs::path given = toml_text(block["file"], file.string());
+      site.solids.meshes.push_back(read_mesh(given.is_absolute() ? given : file.parent_path() / given));
     }
   }
   site.validate();

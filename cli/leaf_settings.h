@@ -5,8 +5,10 @@
 #include "cli/command.h"
 #include "forward/leaves/insert_leaves.h"
 
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace dendrofit::cli {
 
@@ -16,9 +18,14 @@ struct LeafSettings {
   std::optional<double> lai;
   std::optional<int> count;
   double season = 1;
+  std::filesystem::path blade;
+  std::optional<double> length_m;
+  std::string inclination;
+  std::vector<std::string> profile;
+  double clearance_m = LeafOptions{}.clearance_m;
 
   void declare(OptionTable& options);
-  /// Throws UsageError for more than one target.
+  /// Throws UsageError for more than one target or a law it cannot read, IoError for a blade it cannot.
   LeafOptions resolve(const CommonOptions& common) const;
 };
 

@@ -5,6 +5,7 @@
 #include "cli/parse.h"
 #include "core/errors.h"
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -22,12 +23,19 @@ void on_signal(int signal) {
   std::signal(signal, SIG_DFL);
 }
 
-int fail(int code, const std::string& message) {
+struct Talk {
+  bool json = false;          ///< --json: what goes wrong is an object too
+  bool json_written = false;  ///< the object has gone out already
+};
+
+int fail(const Talk& talk, int code, const std::string& message) {
   std::fputs(("dendrofit: " + message + "\n").c_str(), stderr);
+  if (talk.json && !talk.json_written)
+    std::fputs((dendrofit::cli::error_json(code, message) + "\n").c_str(), stdout);
   return code;
 }
 
-int run(const std::vector<std::string>& arguments) {
+int run(const std::vector<std::string>& arguments, Talk& talk) {
   using namespace dendrofit::cli;
   const Invocation invocation = choose_command(arguments);
   CommonOptions common;
@@ -36,9 +44,18 @@ int run(const std::vector<std::string>& arguments) {
   command->declare(options);
   declare_common(options, common);
   parse_options(invocation, options, common);
+  talk.json = common.json;
   ConsoleProgress progress(ConsoleProgress::style_for(common.progress, common.quiet), &stop_requested);
   Session session(invocation.row->name, common, options, progress);
-  return command->run(session);
+  try {
+    return command->run(session);
+  } catch (const dendrofit::InputError& error) {
+    talk.json_written = session.json_written();
+    throw dendrofit::InputError(in_option_names(error.what(), options));
+  } catch (...) {
+    talk.json_written = session.json_written();
+    throw;
+  }
 }
 
 }  // namespace
@@ -46,24 +63,27 @@ int run(const std::vector<std::string>& arguments) {
 int main(int argc, char** argv) {
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  Talk talk;
+  talk.json = std::find(arguments.begin(), arguments.end(), "--json") != arguments.end();
   try {
-    return run({argv + 1, argv + argc});
+    return run(arguments, talk);
   } catch (const dendrofit::cli::HelpRequested& help) {
     std::fputs(help.text.c_str(), stdout);
     return 0;
   } catch (const dendrofit::cli::UsageError& error) {
-    return fail(2, error.what());
+    return fail(talk, 2, error.what());
   } catch (const dendrofit::InputError& error) {
-    return fail(3, error.what());
+    return fail(talk, 3, error.what());
   } catch (const dendrofit::IoError& error) {
-    return fail(3, error.what());
+    return fail(talk, 3, error.what());
   } catch (const dendrofit::SolverError& error) {
-    return fail(4, error.what());
+    return fail(talk, 4, error.what());
   } catch (const dendrofit::Cancelled&) {
-    return fail(130, "stopped; nothing is left half-written");
+    return fail(talk, 130, "stopped; nothing is left half-written");
   } catch (const std::bad_alloc&) {
-    return fail(1, "out of memory: thin the cloud first (dendrofit convert IN OUT --voxel 5mm)");
+    return fail(talk, 1, "out of memory: thin the cloud first (--voxel), or give the program more memory");
   } catch (const std::exception& error) {
-    return fail(1, std::string("internal fault, please report it: ") + error.what());
+    return fail(talk, 1, std::string("internal fault, please report it: ") + error.what());
   }
 }

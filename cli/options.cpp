@@ -82,9 +82,11 @@ void OptionTable::text(const std::string& name, std::string& target, const std::
 }
 
 void OptionTable::texts(const std::string& name, std::vector<std::string>& target,
-                        const std::string& value_name, const std::string& help) {
+                        const std::string& value_name, const std::string& help, bool several_at_once) {
   OptionSpec& spec = add(name, value_name, help);
   spec.repeats = true;
+  spec.several_at_once = several_at_once;
+  spec.current_list = [&target] { return target; };
   spec.apply = [&target](const std::string& given) { target.push_back(given); };
   spec.current = [&target] {
     std::string all;

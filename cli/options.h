@@ -26,7 +26,9 @@ struct OptionSpec {
   std::function<std::string()> current;  ///< resolved value for run.toml; empty string: not set
   bool positional = false;
   bool required = false;
-  bool repeats = false;  ///< may be given several times (positionals: takes all the rest)
+  bool repeats = false;          ///< may be given several times (positionals: takes all the rest)
+  bool several_at_once = false;  ///< takes every word up to the next option
+  std::function<std::vector<std::string>()> current_list;  ///< of one that repeats: its resolved values
 };
 
 /// Declares options onto variables that hold their defaults; the variables must outlive parsing.
@@ -40,7 +42,7 @@ class OptionTable {
   void text(const std::string& name, std::string& target, const std::string& value_name,
             const std::string& help);
   void texts(const std::string& name, std::vector<std::string>& target, const std::string& value_name,
-             const std::string& help);
+             const std::string& help, bool several_at_once = false);
   void path(const std::string& name, std::filesystem::path& target, const std::string& help,
             const std::string& short_name = "");
   void choice(const std::string& name, std::string& target, const std::vector<std::string>& allowed,

@@ -68,9 +68,13 @@ std::string run_record(const Session& session, const std::vector<fs::path>& inpu
     if (option.positional || value.empty() || option.name == "--config") continue;
     // Threads, progress and the like do not change results, and results must not depend on them.
     if (option.name == "--threads" || option.name == "--progress" || option.name == "--quiet" ||
-        option.name == "--json" || option.name == "--force" || option.name == "--output")
+        option.name == "--json" || option.name == "--force" || option.name == "--output" ||
+        option.name == "--resume")
       continue;
-    toml.entry(option.name.substr(2), TomlValue(value));
+    if (option.current_list)
+      toml.entry(option.name.substr(2), TomlValue(option.current_list()));
+    else
+      toml.entry(option.name.substr(2), TomlValue(value));
   }
   for (const fs::path& input : inputs) {
     toml.array_table("input");

@@ -7,6 +7,7 @@
 #include "io/toml.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <variant>
 
@@ -60,24 +61,29 @@ void bind(CLI::App& app, const OptionSpec& spec, std::set<std::string>& given) {
     option->type_name(spec.positional ? "" : spec.value_name);
     if (!spec.default_text.empty()) option->default_str(spec.default_text);
     if (spec.repeats && spec.positional) option->expected(1, 1 << 20);
-    if (spec.repeats && !spec.positional) option->expected(1)->take_all();
+    if (spec.repeats && !spec.positional) option->expected(1, spec.several_at_once ? 1 << 20 : 1)->take_all();
     if (!spec.repeats) option->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::Throw);
   }
   if (spec.required) option->required();
 }
 
-std::string toml_text(const TomlEntry& entry) {
+/// The entry's values as words of the command line; a list gives several.
+std::vector<std::string> words_of(const TomlEntry& entry, bool list_allowed) {
   return std::visit(
-      [&](const auto& value) -> std::string {
+      [&](const auto& value) -> std::vector<std::string> {
         using T = std::decay_t<decltype(value)>;
-        if constexpr (std::is_same_v<T, bool>)
-          return value ? "true" : "false";
-        else if constexpr (std::is_same_v<T, std::string>)
-          return value;
-        else if constexpr (std::is_arithmetic_v<T>)
-          return fmt::format("{}", value);
-        else
-          throw InputError("a list is not a value for this key");
+        if constexpr (std::is_same_v<T, bool>) {
+          return {value ? "true" : "false"};
+        } else if constexpr (std::is_same_v<T, std::string>) {
+          return {value};
+        } else if constexpr (std::is_arithmetic_v<T>) {
+          return {fmt::format("{}", value)};
+        } else {
+          if (!list_allowed) throw InputError("a list is not a value for this key");
+          std::vector<std::string> words;
+          for (const auto& one : value) words.push_back(fmt::format("{}", one));
+          return words;
+        }
       },
       entry.value);
 }
@@ -104,13 +110,37 @@ void apply_config(const std::filesystem::path& file, const OptionTable& options,
     }
     if (given.count(spec->name)) continue;
     try {
-      spec->apply(toml_text(entry));
+      for (const std::string& word : words_of(entry, spec->repeats)) spec->apply(word);
     } catch (const std::invalid_argument& error) {
       throw InputError(fmt::format("{}: {}: {}", where, entry.key, error.what()));
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: {}: {}", where, entry.key, error.what()));
     }
   }
+}
+
+/// The key of the option that sets this field of an options struct: its name without the unit, but for a few.
+std::string option_key_of(const std::string& field) {
+  static const std::map<std::string, std::string> kOtherwise = {
+      {"voxel_size_m", "voxel"},
+      {"registration_error_deg", "registration-turn"},
+      {"max_returns", "returns"},
+      {"ground_radius_m", "ground"},
+      {"evaluations", "budget"},
+      {"seconds", "budget"},
+      {"start_cycle", "from-cycle"},
+      {"first_azimuth_deg", "azimuth"},
+      {"fixed", "fix"},
+      {"bounds", "bound"}};
+  std::string name = field.substr(0, field.find('.'));
+  if (const auto known = kOtherwise.find(name); known != kOtherwise.end()) return known->second;
+  for (const std::string_view unit : {"_m", "_m2", "_deg", "_mrad", "_years"})
+    if (name.ends_with(unit)) {
+      name.erase(name.size() - unit.size());
+      break;
+    }
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name;
 }
 
 }  // namespace
@@ -156,6 +186,17 @@ void parse_options(const Invocation& invocation, const OptionTable& options, con
         fmt::format("{}\n(dendrofit {} --help shows its options)", error.what(), invocation.row->name));
   }
   if (!common.config.empty()) apply_config(common.config, options, given);
+}
+
+std::string in_option_names(const std::string& message, const OptionTable& options) {
+  const auto equals = message.find(" = ");
+  const auto colon = message.find(": ", equals == std::string::npos ? 0 : equals);
+  if (equals == std::string::npos || colon == std::string::npos) return message;
+  const std::string field = message.substr(0, equals), limit = message.substr(colon + 2);
+  const OptionSpec* spec = options.find(option_key_of(field));
+  if (!spec) return message;
+  const std::string value = spec->current();
+  return fmt::format("{}{}: {}", spec->name, value.empty() || spec->repeats ? "" : " " + value, limit);
 }
 
 }  // namespace dendrofit::cli

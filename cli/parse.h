@@ -36,4 +36,8 @@ void declare_common(OptionTable& options, CommonOptions& common);
 /// message).
 void parse_options(const Invocation& invocation, const OptionTable& options, const CommonOptions& common);
 
+/// A message "field = value: limit" about a field of an options struct in the user's words: the option that
+/// sets the field and the value it has. Any other message as it is.
+std::string in_option_names(const std::string& message, const OptionTable& options);
+
 }  // namespace dendrofit::cli

@@ -51,8 +51,14 @@ ReconstructOptions ReconstructSettings::resolve(const CommonOptions& common) con
 }
 
 std::string reconstruction_json(const Reconstruction& r) {
+  auto layers = Json::array();
+  for (const LeafLayer& layer : r.leaf_profile)
+    layers.push_back({{"from_m", layer.from_m}, {"to_m", layer.to_m}, {"points", layer.points}});
   const Json json = {{"foot", {r.foot.x(), r.foot.y(), r.foot.z()}},
                      {"ground_found", r.ground_found},
+                     {"leaf_on", r.leaf_on},
+                     {"leafy_share", r.leafy_share},
+                     {"straight_share", r.straight_share},
                      {"wood_share", r.wood_share},
                      {"noise_m", r.noise_m},
                      {"point_spacing_m", r.spacing_m},
@@ -63,6 +69,7 @@ std::string reconstruction_json(const Reconstruction& r) {
                        {"stray", r.stray_points},
                        {"tree", r.tree_points},
                        {"leaf", r.leaf_points.size()}}},
+                     {"leaf_profile", layers},
                      {"bridged_gaps", r.bridged_gaps},
                      {"warnings", r.warnings}};
   return json.dump(2) + "\n";
@@ -78,8 +85,11 @@ void write_reconstruction(const std::filesystem::path& folder, const Reconstruct
 void say_reconstruction(const Session& session, const Reconstruction& result) {
   session.say("Tree model");
   say_metrics(session, result.tree, result.metrics);
-  if (result.wood_share < 0.999)
-    session.say(fmt::format("  wood share  {:.0f} % of the points", 100 * result.wood_share));
+  if (result.leaf_on)
+    session.say(fmt::format("  wood share  {:.0f} % of the points ({} leaf points kept apart)",
+                            100 * result.wood_share, result.leaf_points.size()));
+  else
+    session.say("  wood share  no leaves on this scan");
   for (const std::string& warning : result.warnings) session.warn(warning);
 }
 

@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -42,7 +44,51 @@ std::vector<ReportParameter> parameters_of(const TreeFit& fit) {
   return rows;
 }
 
+constexpr int kOtherSeeds = 8;
+
+struct Range {
+  double lo = std::numeric_limits<double>::infinity();
+  double hi = -std::numeric_limits<double>::infinity();
+  void add(double x) {
+    lo = std::min(lo, x);
+    hi = std::max(hi, x);
+  }
+};
+
+/// Heights and diameters of trees of the same parameters and other seeds, cycle by cycle: what chance alone
+/// makes.
+struct ChanceBands {
+  std::map<int, Range> height, diameter;
+};
+
+ChanceBands grow_with_other_seeds(const RunResults& r) {
+  ChanceBands bands;
+  const auto widen = [&](const std::vector<GrowthRecord>& series) {
+    for (const GrowthRecord& record : series) {
+      bands.height[record.cycle].add(record.height_m);
+      if (record.dbh_m) bands.diameter[record.cycle].add(100 * *record.dbh_m);
+    }
+  };
+  widen(r.regrown.series);
+  for (int k = 1; k <= kOtherSeeds; ++k) {
+    IgmOptions options;
+    options.seed = r.fit.best_seed + static_cast<std::uint64_t>(k);
+    widen(grow_igm(r.fit.best, {}, options, r.session.progress()).series);
+  }
+  return bands;
+}
+
+void set_band(ReportCurve& curve, const std::map<int, Range>& bands) {
+  curve.band = fmt::format("range over {} seeds", kOtherSeeds + 1);
+  for (const double time : curve.time) {
+    const Range& at = bands.at(static_cast<int>(time));
+    curve.lo.push_back(at.lo);
+    curve.hi.push_back(at.hi);
+  }
+}
+
 std::vector<ReportCurve> curves_of(const RunResults& r) {
+  const ChanceBands bands = grow_with_other_seeds(r);
   ReportCurve height;
   height.name = "height";
   ReportCurve diameter;
@@ -51,14 +97,16 @@ std::vector<ReportCurve> curves_of(const RunResults& r) {
   for (const GrowthRecord& record : r.regrown.series) {
     height.time.push_back(record.cycle);
     height.value.push_back(record.height_m);
-    height.cap.push_back(record.cycle > 0 ? r.fit.best.cap(record.cycle) * r.fit.best.rho_m : 0.0);
+    height.cap.push_back(record.cycle > 0 ? r.fit.best.cap(record.cycle) * r.fit.best.rho_m : std::nan(""));
     if (!record.dbh_m) continue;
     diameter.time.push_back(record.cycle);
     diameter.value.push_back(100 * *record.dbh_m);
   }
+  set_band(height, bands.height);
+  set_band(diameter, bands.diameter);
   const double now = r.regrown.series.empty() ? 0 : r.regrown.series.back().cycle;
-  height.measured = {{now, r.model.metrics.height_m}};
-  if (r.model.metrics.dbh_m) diameter.measured = {{now, 100 * *r.model.metrics.dbh_m}};
+  height.measured = {{now, r.observed.model.metrics.height_m}};
+  if (r.observed.model.metrics.dbh_m) diameter.measured = {{now, 100 * *r.observed.model.metrics.dbh_m}};
   std::vector<ReportCurve> curves = {height};
   if (!diameter.time.empty()) curves.push_back(diameter);
   return curves;
@@ -84,9 +132,9 @@ ReportProvenance provenance_of(const RunResults& r) {
   ReportProvenance p;
   p.version = version();
   p.seed = r.session.common().seed;
-  p.command_line = fmt::format("dendrofit {} {}", r.session.command(), r.scan_file.filename().string());
-  p.input_name = r.scan_file.filename().string();
-  p.input_checksum = "crc32:" + checksum(r.scan_file);
+  p.command_line = fmt::format("dendrofit {} {}", r.session.command(), r.observed.file().filename().string());
+  p.input_name = r.observed.file().filename().string();
+  p.input_checksum = "crc32:" + checksum(r.observed.file());
   for (const OptionSpec& option : r.session.options().all())
     if (!option.positional && !option.current().empty())
       p.options.emplace_back(option.name, option.current());
@@ -100,18 +148,19 @@ void write_run_report(const std::filesystem::path& folder, const RunResults& r) 
   Progress& progress = r.session.progress();
   RenderOptions picture;
   picture.threads = r.session.common().threads;
-  const SideBySide content{&r.scan, &r.model.tree, &r.regrown.tree, &r.leaves.foliage, false};
+  const PointCloud* scan = r.observed.scan.empty() ? nullptr : &r.observed.scan;
+  const SideBySide content{scan, &r.observed.model.tree, &r.regrown.tree, &r.leaves.foliage, false};
   const std::string png = encode_png(side_by_side(content, picture, progress));
   write_file(folder / "side_by_side.png", png);
   r.watch.lap("picture");
 
   ReportData data;
-  data.title = r.scan_file.stem().string();
-  data.scan = &r.scan;
-  data.model = &r.model.tree;
+  data.title = r.observed.file().stem().string();
+  data.scan = scan;
+  data.model = &r.observed.model.tree;
   data.regrown = &r.regrown.tree;
   data.foliage = &r.leaves.foliage;
-  data.model_metrics = &r.model.metrics;
+  data.model_metrics = &r.observed.model.metrics;
   data.regrown_metrics = &r.regrown_metrics;
   data.growth_model = fmt::format("IGM (Yi et al. 2018), {} equation", r.fit.best.equation);
   data.fit_status = fmt::format(
@@ -124,9 +173,10 @@ void write_run_report(const std::filesystem::path& folder, const RunResults& r) 
   for (std::size_t i = 0; i < r.fit.cost_history.size(); ++i)
     data.cost_by_evaluation.emplace_back(static_cast<double>(i + 1), r.fit.cost_history[i]);
   data.leaf_facts = leaf_facts(r.leaves.report);
-  for (const auto* list : {&r.model.warnings, &r.fit.warnings, &r.leaves.report.warnings})
+  for (const auto* list : {&r.observed.model.warnings, &r.fit.warnings, &r.leaves.report.warnings})
     data.warnings.insert(data.warnings.end(), list->begin(), list->end());
   data.side_by_side_png = png;
+  data.overlay_png = r.observed.overlay_png;
   data.provenance = provenance_of(r);
   write_file(folder / "report.html", make_report(data, {}, progress));
 }

@@ -3,13 +3,12 @@
 #pragma once
 
 #include "cli/command.h"
+#include "cli/observed_tree.h"
 #include "cli/stopwatch.h"
 #include "core/metrics.h"
-#include "core/point_cloud.h"
 #include "fit/fit_tree.h"
 #include "forward/igm/grow.h"
 #include "forward/leaves/insert_leaves.h"
-#include "recon/reconstruct.h"
 
 #include <filesystem>
 
@@ -18,9 +17,7 @@ namespace dendrofit::cli {
 /// Everything a run made, borrowed for the call.
 struct RunResults {
   Session& session;
-  const std::filesystem::path& scan_file;
-  const PointCloud& scan;
-  const Reconstruction& model;
+  const ObservedTree& observed;
   const TreeFit& fit;
   const IgmGrowth& regrown;
   const TreeMetrics& regrown_metrics;

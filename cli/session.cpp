@@ -3,6 +3,8 @@
 
 #include <cstdio>
 
+#include <nlohmann/json.hpp>
+
 namespace dendrofit::cli {
 
 void Session::say(const std::string& line) const {
@@ -20,6 +22,17 @@ void Session::json(const std::string& text) const {
   if (!common_.json) return;
   std::fputs((text + "\n").c_str(), stdout);
   std::fflush(stdout);
+  json_written_ = true;
+}
+
+std::string error_json(int code, const std::string& message) {
+  const char* kind = code == 2     ? "usage"
+                     : code == 3   ? "bad_input"
+                     : code == 4   ? "no_answer"
+                     : code == 130 ? "interrupted"
+                                   : "fault";
+  const nlohmann::ordered_json json = {{"error", {{"code", code}, {"kind", kind}, {"message", message}}}};
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 }  // namespace dendrofit::cli

@@ -7,6 +7,7 @@
 #include "core/tree.h"
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,12 +16,14 @@ namespace dendrofit::cli {
 /// Mesh formats asked for on the command line: "obj", "ply", "glb" (throws UsageError for others).
 void check_mesh_formats(const std::vector<std::string>& formats);
 
-/// qsm.csv, metrics.json and tree.<format> for each format, into `folder`.
+/// qsm.csv, metrics.json and tree.<format> for each format, into `folder`; birth_cycles.csv where the tree
+/// knows them. `trees`: metrics of each tree of a stand.
 void write_tree_files(const std::filesystem::path& folder, const Tree& tree, const TreeMetrics& metrics,
-                      const std::vector<std::string>& mesh_formats);
+                      const std::vector<std::string>& mesh_formats, std::span<const TreeMetrics> trees = {});
 
-/// leaves.csv, leaves.json (given as text) and leaves.<format> for each format (a scene without leaves has no
-/// .glb).
+/// leaves.csv, leaves.json (given as text), shoots.csv (the shoots added to a coarse model, as a QSM; none
+/// where none were added), and leaves.<format> and petioles.<format> for each format (.glb holds both; a
+/// scene without leaves has none).
 void write_leaf_files(const std::filesystem::path& folder, const Foliage& foliage,
                       const std::string& report_json, const std::vector<std::string>& mesh_formats);
 

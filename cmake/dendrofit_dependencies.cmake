@@ -12,6 +12,7 @@ find_package(tomlplusplus REQUIRED)
 find_package(pugixml REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(PNG REQUIRED)
+find_package(JPEG REQUIRED)
 
 # CGAL is header-only; its target adds -frounding-math to whoever links it, which is right only for the files that
 # use it. Those name the flag themselves and their floor links DENDROFIT_CGAL_LIBRARIES.
@@ -33,3 +34,13 @@ foreach(name segmentation filters search kdtree common)
 endforeach()
 target_link_libraries(dendrofit_pcl INTERFACE Eigen3::Eigen)
 install(TARGETS dendrofit_pcl EXPORT dendrofitTargets)
+
+# Of OpenCV only imgproc and core, by name: its CMake package asks for every module to be installed.
+find_path(DENDROFIT_OPENCV_INCLUDE opencv2/imgproc.hpp PATH_SUFFIXES opencv4 REQUIRED)
+add_library(dendrofit_opencv INTERFACE)
+target_include_directories(dendrofit_opencv SYSTEM INTERFACE ${DENDROFIT_OPENCV_INCLUDE})
+foreach(name imgproc core)
+  find_library(DENDROFIT_OPENCV_${name} opencv_${name} REQUIRED)
+  target_link_libraries(dendrofit_opencv INTERFACE ${DENDROFIT_OPENCV_${name}})
+endforeach()
+install(TARGETS dendrofit_opencv EXPORT dendrofitTargets)

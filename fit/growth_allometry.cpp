@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <Eigen/Dense>
 
@@ -30,6 +31,63 @@ double linearise(const std::vector<double>& x, const std::vector<double>& y, dou
   }
   const double rss = residuals.squaredNorm();
   return std::isfinite(rss) && jacobian.allFinite() ? rss : std::numeric_limits<double>::infinity();
+}
+
+// The power law with its bands (delta method), as the other forms come.
+GrowthFit power_law_as_growth(const MeasurementSeries& trees, double base, const GrowthOptions& options) {
+  const PowerLawFit power = fit_power_law(trees.time, trees.value, base, {}, options.confidence);
+  GrowthFit fit;
+  fit.equation = "power";
+  fit.status = power.status;
+  fit.reason = power.reason;
+  fit.n = power.n;
+  fit.parameters = {power.a, power.b};
+  fit.rss = power.rss;
+  fit.sigma = power.sigma;
+  if (fit.status != GrowthStatus::ok) return fit;
+  const double n = power.n, k = 3;
+  const double deviance = n * (std::log(2 * std::numbers::pi * power.rss / n) + 1);
+  fit.aic = deviance + 2 * k;
+  fit.bic = deviance + k * std::log(n);
+  fit.aicc = n > k + 1 ? fit.aic + 2 * k * (k + 1) / (n - k - 1) : std::numeric_limits<double>::infinity();
+  fit.covariance = power.covariance;
+  fit.derived.asymptote = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < trees.time.size(); ++i)
+    fit.residuals.push_back(trees.value[i] - power.value(trees.time[i]));
+  const double quantile = student_t_two_sided(options.confidence, power.n - 2);
+  const double last = *std::max_element(trees.time.begin(), trees.time.end());
+  std::vector<double> diameters = options.band_times;
+  for (int i = 0; i <= 60 && options.band_times.empty(); ++i) diameters.push_back(last * i / 60);
+  for (const double d : diameters) {
+    GrowthBandPoint point;
+    point.time = d;
+    point.fit = d > 0 ? power.value(d) : base;
+    const double grown = d > 0 ? std::pow(d, power.b.value) : 0;
+    const Eigen::Vector2d g(grown, d > 0 ? power.a.value * grown * std::log(d) : 0);
+    point.se = std::sqrt(g.dot(power.covariance * g));
+    const double wide = quantile * std::hypot(point.se, power.sigma);
+    point.confidence_lo = point.fit - quantile * point.se;
+    point.confidence_hi = point.fit + quantile * point.se;
+    point.prediction_lo = point.fit - wide;
+    point.prediction_hi = point.fit + wide;
+    point.cai = d > 0 ? power.b.value * power.a.value * grown / d : kGrowthNaN;
+    point.mai = d > 0 ? point.fit / d : kGrowthNaN;
+    fit.bands.push_back(point);
+  }
+  return fit;
+}
+
+// Messages call the trees by their own name.
+void name_trees(GrowthFit& fit, const std::string& name) {
+  const auto rename = [&](std::string& text) {
+    const std::string general = "series 'height over diameter'";
+    if (const auto at = text.find(general); at != std::string::npos)
+      text.replace(at, general.size(), "series '" + name + "'");
+    else if (text.starts_with("power law"))
+      text = "series '" + name + "', " + text;
+  };
+  rename(fit.reason);
+  for (std::string& warning : fit.warnings) rename(warning);
 }
 
 }  // namespace
@@ -113,7 +171,9 @@ PowerLawFit fit_power_law(const std::vector<double>& x, const std::vector<double
         "power law: the diameters are too alike to tell factor and exponent: add thinner or thicker trees";
     return fit;
   }
-  const Eigen::Vector2d se = fit.sigma * normal.inverse().diagonal().cwiseSqrt().cwiseQuotient(norms);
+  fit.covariance = fit.sigma * fit.sigma *
+                   (norms.cwiseInverse().asDiagonal() * normal.inverse() * norms.cwiseInverse().asDiagonal());
+  const Eigen::Vector2d se = fit.covariance.diagonal().cwiseSqrt();
   const double quantile = student_t_two_sided(confidence, fit.n - 2);
   for (int k = 0; k < 2; ++k) {
     GrowthParameter& parameter = k == 0 ? fit.a : fit.b;
@@ -131,13 +191,55 @@ GrowthFit fit_height_diameter(const std::vector<double>& diameter, const std::ve
   if (!growth_equation(equation).starts_at_zero)
     throw InputError(
         "height over diameter: the " + std::string(growth_equation(equation).title) +
-        " does not start from 1.3 m; use weibull, chapman_richards, korf, hossfeld4 or bertalanffy");
+        " does not start from 1.3 m; use power, weibull, chapman_richards, korf, hossfeld4 or bertalanffy");
   GrowthOptions own = options;
   own.equations = {equation};
   own.offset = 1.3 * unit_factor("m", options.value_unit);
-  own.time_unit = "of diameter";
+  own.abscissa = "diameter";
   MeasurementSeries series{"height over diameter", diameter, height};
-  return fit_growth_equation(series, equation, own);
+  GrowthFit fit = fit_growth_equation(series, equation, own);
+  fit.derived.mai_culmination_age = fit.derived.max_mai = fit.derived.years_to_breast_height = kGrowthNaN;
+  return fit;
+}
+
+GrowthReport fit_allometry(const std::vector<MeasurementSeries>& series,
+                           const std::vector<std::string>& forms, const GrowthOptions& options,
+                           Progress& progress) {
+  if (series.empty())
+    throw InputError("no trees: expected a table with the columns dbh,height and a row a tree");
+  const double breast_height = 1.3 * unit_factor("m", options.value_unit);
+  GrowthReport report;
+  report.abscissa = "diameter";
+  report.ordinate = "height";
+  report.time_unit = options.time_unit;
+  report.value_unit = options.value_unit;
+  report.confidence = options.confidence;
+  const auto fit_all = [&](const MeasurementSeries& trees) {
+    progress.check();
+    GrowthSeries result;
+    result.name = trees.name;
+    result.time = trees.time;
+    result.value = trees.value;
+    for (const std::string& form : forms)
+      result.fits.push_back(form == "power" ? power_law_as_growth(trees, breast_height, options)
+                                            : fit_height_diameter(trees.time, trees.value, form, options));
+    for (GrowthFit& fit : result.fits) name_trees(fit, trees.name);
+    for (const GrowthFit& fit : result.fits)
+      if (fit.status == GrowthStatus::ok && std::isfinite(fit.aicc) &&
+          (result.best.empty() || fit.aicc < result.fit(result.best)->aicc))
+        result.best = fit.equation;
+    return result;
+  };
+  MeasurementSeries all{"pooled", {}, {}};
+  for (const MeasurementSeries& trees : series) {
+    report.series.push_back(fit_all(trees));
+    all.time.insert(all.time.end(), trees.time.begin(), trees.time.end());
+    all.value.insert(all.value.end(), trees.value.begin(), trees.value.end());
+    if (report.series.back().best.empty())
+      for (const GrowthFit& fit : report.series.back().fits) report.warnings.push_back(fit.reason);
+  }
+  if (series.size() > 1 && options.pooled) report.pooled = fit_all(all);
+  return report;
 }
 
 }  // namespace dendrofit

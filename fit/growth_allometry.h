@@ -2,6 +2,8 @@
 // Height from diameter (and any other power law) for trees measured once.
 #pragma once
 
+#include "core/measurements.h"
+#include "core/progress.h"
 #include "fit/growth_options.h"
 #include "fit/growth_result.h"
 
@@ -16,6 +18,7 @@ struct PowerLawFit {
   std::string reason;
   double base = 0;
   GrowthParameter a, b;
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of a and b
   int n = 0;
   double rss = kGrowthNaN, sigma = kGrowthNaN;
   double value(double x) const;
@@ -32,5 +35,14 @@ PowerLawFit fit_power_law(const std::vector<double>& x, const std::vector<double
 /// Throws InputError for other equations.
 GrowthFit fit_height_diameter(const std::vector<double>& diameter, const std::vector<double>& height,
                               const std::string& equation, const GrowthOptions& options = {});
+
+/// Height over diameter of trees measured once, in every form named: "power" (H = 1.3 m + a D^b) or an
+/// equation that fit_height_diameter takes. `series` hold diameters as times and heights as values;
+/// options.time_unit and options.value_unit are their units. The report's `abscissa` is "diameter"; each
+/// series names its best form by AICc, and all series as one follow as pooled where there are several. Throws
+/// InputError for an unknown form, an unknown unit of height, or no series.
+GrowthReport fit_allometry(const std::vector<MeasurementSeries>& series,
+                           const std::vector<std::string>& forms, const GrowthOptions& options = {},
+                           Progress& progress = no_progress());
 
 }  // namespace dendrofit

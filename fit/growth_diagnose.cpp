@@ -47,6 +47,29 @@ std::string row_name(const MeasurementSeries& series, std::size_t i) {
          plain_number(series.value[i]) + ")";
 }
 
+// Correlation of size with time.
+double trend(const MeasurementSeries& series) {
+  const auto n = static_cast<Eigen::Index>(series.time.size());
+  const Eigen::Map<const Eigen::ArrayXd> t(series.time.data(), n), x(series.value.data(), n);
+  const Eigen::ArrayXd dt = t - t.mean(), dx = x - x.mean();
+  const double spread = std::sqrt(dt.square().sum() * dx.square().sum());
+  return spread > 0 ? (dt * dx).sum() / spread : 0;
+}
+
+std::string counted(std::size_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+// An equation that asks less of the data.
+std::string simpler(const std::string& equation, const GrowthOptions& options) {
+  if (options.abscissa != "age") return "the power law";
+  return equation == "bertalanffy" ? "the logistic" : "Bertalanffy";
+}
+
+std::string older(const GrowthOptions& options) {
+  return options.abscissa == "age" ? "older" : "thicker";
+}
+
 std::string listed(const std::vector<std::string>& items) {
   std::string text;
   for (std::size_t i = 0; i < items.size() && i < 5; ++i) text += (i ? ", " : "") + items[i];
@@ -148,34 +171,43 @@ std::vector<std::string> measurement_warnings(const MeasurementSeries& series, c
   return warnings;
 }
 
-std::string too_few_points(const MeasurementSeries& series, const std::string& equation, int parameters) {
+std::string too_few_points(const MeasurementSeries& series, const std::string& equation, int parameters,
+                           const GrowthOptions& options) {
   const int n = static_cast<int>(series.time.size()), ages = distinct_ages(series);
   const int missing = std::max(parameters + 1 - n, parameters - ages);
   if (missing <= 0) return {};
-  return series_and_equation(series.name, equation) + ": " + std::to_string(n) + " measurements at " +
-         std::to_string(ages) + " ages for " + std::to_string(parameters) + " parameters: add at least " +
-         std::to_string(missing) + " more age" + (missing > 1 ? "s" : "") +
-         ", fix a parameter, or use an equation with fewer";
+  return series_and_equation(series.name, equation) + ": " + counted(series.time.size(), "measurement") +
+         " at " + counted(static_cast<std::size_t>(ages), options.abscissa) + " for " +
+         std::to_string(parameters) + " parameters: add at least " + std::to_string(missing) + " more " +
+         options.abscissa + (missing > 1 ? "s" : "") + ", fix a parameter, or use an equation with fewer";
 }
 
 std::string no_finite_optimum(const MeasurementSeries& series, const std::string& equation,
                               const GrowthOptions& options) {
   const auto [first, last] = std::minmax_element(series.time.begin(), series.time.end());
-  return series_and_equation(series.name, equation) + ": ages " + plain_number(*first) + " to " +
-         plain_number(*last) + " " + options.time_unit +
+  return series_and_equation(series.name, equation) + ": " + options.abscissa + "s " + plain_number(*first) +
+         " to " + plain_number(*last) + " " + options.time_unit +
          " show no levelling off, and the larger the final size the better the fit: give an upper bound "
          "(--bound "
-         "asymptote=..:VALUE), add older trees, or use " +
-         (equation == "bertalanffy" ? "the logistic" : "Bertalanffy");
+         "asymptote=..:VALUE), add " +
+         older(options) + " trees, or use " + simpler(equation, options);
 }
 
 std::string ill_conditioned(const MeasurementSeries& series, const std::string& equation,
                             const GrowthOptions& options) {
-  return series_and_equation(series.name, equation) +
-         ": the measurements show a step between two ages, so rate and shape cannot be told: add ages "
-         "between them (" +
-         std::to_string(distinct_ages(series)) + " distinct ages in " + options.time_unit +
-         " now), or look for outliers";
+  const std::string lead = series_and_equation(series.name, equation) + ": ";
+  const auto [least, most] = std::minmax_element(series.value.begin(), series.value.end());
+  if (*most - *least <= 1e-9 * std::abs(*most))
+    return lead + "every size is " + plain_number(*most) +
+           ", so there is no growth to fit: check the value column, or add " + options.abscissa +
+           "s at which the size was another";
+  if (trend(series) < -0.5)
+    return lead + "the sizes fall with " + options.abscissa +
+           ", and growth curves only rise: check the columns and the order of the rows";
+  return lead + "the measurements show a step between two " + options.abscissa +
+         "s, so rate and shape cannot be told: add " + options.abscissa + "s between them (" +
+         std::to_string(distinct_ages(series)) + " distinct " + options.abscissa + "s in " +
+         options.time_unit + " now), or look for outliers";
 }
 
 std::string limiting_shape(const MeasurementSeries& series, const std::string& equation) {
@@ -199,12 +231,12 @@ std::vector<std::string> fit_warnings(const MeasurementSeries& series, const Gro
   const double oldest = *std::max_element(series.time.begin(), series.time.end());
   const GrowthParameter& asymptote = fit.parameters[equation.asymptote_row];
   if (!fit.asymptote_bounded && !asymptote.fixed) {
-    std::string text = lead + "ages reach " + plain_number(oldest) + " " + options.time_unit +
+    std::string text = lead + options.abscissa + "s reach " + plain_number(oldest) + " " + options.time_unit +
                        "; the data bound the maximum size only from below";
     if (std::isfinite(asymptote.lo))
       text += " (>= " + plain_number(asymptote.lo + options.offset) + " " + options.value_unit + ")";
-    text += ": give an upper bound (--bound asymptote=..:VALUE), add older trees";
-    if (fit.equation != "bertalanffy") text += ", or use Bertalanffy";
+    text += ": give an upper bound (--bound asymptote=..:VALUE), add " + older(options) + " trees";
+    if (fit.equation != "bertalanffy") text += ", or use " + simpler(fit.equation, options);
     warnings.push_back(text);
   }
   if (const GrowthParameter* start = fit.parameter("X0"); start && !start->fixed) {
@@ -222,7 +254,7 @@ std::vector<std::string> fit_warnings(const MeasurementSeries& series, const Gro
                        "the time shift can hardly be told from the rate: add young ages, or fix it "
                        "(--fix time_shift=YEARS)");
   const int ages = distinct_ages(series);
-  if (fit.n >= 8 && 5 * ages >= 4 * fit.n) {
+  if (options.abscissa == "age" && fit.n >= 8 && 5 * ages >= 4 * fit.n) {
     std::vector<double> ordered;
     for (std::size_t i : by_time(series)) ordered.push_back(fit.residuals[i]);
     if (lag1_correlation(ordered) > 2 / std::sqrt(static_cast<double>(fit.n)) || runs_z(ordered) < -1.96)

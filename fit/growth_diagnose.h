@@ -27,7 +27,8 @@ std::string unusable_measurements(const MeasurementSeries& series, const GrowthO
 std::vector<std::string> measurement_warnings(const MeasurementSeries& series, const GrowthOptions& options);
 
 /// Refusal for too few ages with how many are missing; empty where there are enough for `parameters` of them.
-std::string too_few_points(const MeasurementSeries& series, const std::string& equation, int parameters);
+std::string too_few_points(const MeasurementSeries& series, const std::string& equation, int parameters,
+                           const GrowthOptions& options);
 
 std::string no_finite_optimum(const MeasurementSeries& series, const std::string& equation,
                               const GrowthOptions& options);

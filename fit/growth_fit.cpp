@@ -163,7 +163,7 @@ GrowthFit fit_growth_equation(const MeasurementSeries& given, const std::string&
   const GrowthData data = make_growth_data(series, options, weights);
   const GrowthProblem problem = make_growth_problem(curve, data, constraints);
   const int free = problem.free_count();
-  fit.reason = too_few_points(series, equation, free);
+  fit.reason = too_few_points(series, equation, free, options);
   if (!fit.reason.empty()) {
     fit.status = GrowthStatus::too_few_points;
     return fit;

@@ -66,6 +66,7 @@ struct GrowthOptions {
   GrowthMixedForm mixed_form = GrowthMixedForm::shape;
   bool trunk_base_unmeasured = false;  ///< the user says that the first years are missing
 
+  std::string abscissa = "age";     ///< what "time" is, in messages: "diameter" for height over diameter
   std::string time_unit = "years";  ///< label, and what "breast height" and "calendar year" mean
   std::string value_unit = "m";
   int threads = 0;  ///< 0: all cores

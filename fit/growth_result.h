@@ -116,7 +116,7 @@ struct GrowthMixed {
   std::string equation;
   GrowthStatus status = GrowthStatus::failed;
   std::string reason;
-  std::vector<GrowthParameter> fixed;  ///< population values; limits are Wald's
+  std::vector<GrowthParameter> fixed;  ///< population values; limits are Wald's (not profiled)
   std::vector<std::string> random;     ///< names of those that vary
   Eigen::MatrixXd random_covariance;
   double sigma = kGrowthNaN;
@@ -127,6 +127,7 @@ struct GrowthMixed {
 };
 
 struct GrowthReport {
+  std::string abscissa = "age", ordinate = "size";
   std::string time_unit, value_unit;
   double confidence = 0.95;
   std::vector<GrowthSeries> series;

@@ -2,7 +2,6 @@
 #include "fit/noise_metric.h"
 
 #include "core/errors.h"
-#include "fit/descriptors.h"
 
 #include <cmath>
 #include <limits>
@@ -66,7 +65,8 @@ bool lends(const NoiseMetric* wider, Eigen::Index descriptor) {
 }  // namespace
 
 NoiseMetric::NoiseMetric(const Eigen::MatrixXd& parameters, const Eigen::MatrixXd& descriptors,
-                         const Eigen::VectorXd& observed, const NoiseMetric* wider)
+                         const Eigen::VectorXd& observed, const Eigen::VectorXd& error,
+                         const NoiseMetric* wider)
     : observed_(observed), mean_(finite_column_means(descriptors)) {
   for (Eigen::Index j = 0; j < observed.size(); ++j)
     if (std::isfinite(observed[j]) && (finite_share(descriptors.col(j)) >= kFewestShare || lends(wider, j)))
@@ -87,13 +87,12 @@ NoiseMetric::NoiseMetric(const Eigen::MatrixXd& parameters, const Eigen::MatrixX
   noise_ = Eigen::VectorXd::Constant(observed.size(), std::numeric_limits<double>::quiet_NaN());
   for (Eigen::Index k = 0; k < covariance.cols(); ++k) {
     const Eigen::Index j = used_[static_cast<std::size_t>(k)];
-    const double scan = descriptor_table()[static_cast<std::size_t>(j)].scan_error;
     const bool lent = finite_share(descriptors.col(j)) < kFewestShare;
     if (lent) {
       covariance.row(k).setZero();
       covariance.col(k).setZero();
     }
-    const double variance = lent ? wider->noise(j) * wider->noise(j) : variances[k] + scan * scan;
+    const double variance = lent ? wider->noise(j) * wider->noise(j) : variances[k] + error[j] * error[j];
     covariance(k, k) = variance;
     noise_[j] = std::sqrt(variance);
   }

@@ -9,15 +9,17 @@
 namespace dendrofit {
 
 /// Mahalanobis distance on the descriptors the observed tree has, with the covariance that simulations show
-/// around their expectation given the parameters, plus the scan's own error.
+/// around their expectation given the parameters, plus the observation's own error.
 class NoiseMetric {
  public:
   /// `parameters` (unit box) and `descriptors` (NaN: missing) hold one simulation a row. The expectation is a
   /// quadratic in each parameter; its residuals are the noise. Without columns in `parameters`, the
-  /// simulations are replicates of one parameter set. Throws SolverError when no descriptor is left. `wider`,
-  /// where given, lends its noise for descriptors that too few of these simulations have.
+  /// simulations are replicates of one parameter set. `error` is the observation's standard error of each
+  /// descriptor. Throws SolverError when no descriptor is left. `wider`, where given, lends its noise for
+  /// descriptors that too few of these simulations have.
   NoiseMetric(const Eigen::MatrixXd& parameters, const Eigen::MatrixXd& descriptors,
-              const Eigen::VectorXd& observed, const NoiseMetric* wider = nullptr);
+              const Eigen::VectorXd& observed, const Eigen::VectorXd& error,
+              const NoiseMetric* wider = nullptr);
 
   /// Mean squared distance per descriptor of the observed tree from simulations of one parameter set (rows),
   /// such that 1 is what another seed of the same tree would have. A descriptor that no simulation has counts
@@ -25,7 +27,7 @@ class NoiseMetric {
   double cost(const Eigen::MatrixXd& simulations) const { return cost(simulations, observed_); }
   double cost(const Eigen::MatrixXd& simulations, const Eigen::VectorXd& observed) const;
 
-  /// Descriptors in use, whitened to unit noise; missing values become the bank's mean.
+  /// Rows of descriptors in use, whitened to unit noise; missing values become the simulations' mean.
   Eigen::MatrixXd whiten(const Eigen::MatrixXd& descriptors) const;
   Eigen::VectorXd whitened_observed() const;
 

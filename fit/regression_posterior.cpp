@@ -2,68 +2,146 @@
 #include "fit/regression_posterior.h"
 
 #include "core/errors.h"
+#include "core/random.h"
+#include "fit/summary_regression.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Eigenvalues>
-
 namespace dendrofit {
 namespace {
 
 constexpr Eigen::Index kFewest = 30;
-constexpr double kNearestShare = 0.7;  // of the simulations get a weight
+constexpr double kFewestShare = 0.2;    // of simulations that must have a descriptor for it to be used
+constexpr double kNearestShare = 0.08;  // of the simulations make the posterior, within the two limits
+constexpr double kFewestNearest = 80, kMostNearest = 500;
+constexpr double kFarthest = 3.5;     // sd: descriptors beyond are pulled back, regressions must not
+                                      // extrapolate
+constexpr double kKnownScale = 0.12;  // of a known column's range is one unit of distance
+constexpr std::uint64_t kErrorSeed = 0x5ca9e;
 
-Eigen::VectorXd kernel_weights(const Eigen::MatrixXd& descriptors, const Eigen::VectorXd& observed) {
-  const Eigen::VectorXd distance = (descriptors.rowwise() - observed.transpose()).rowwise().norm();
-  std::vector<double> sorted(distance.begin(), distance.end());
-  std::sort(sorted.begin(), sorted.end());
-  const double reach = std::max(
-      1e-12, sorted[static_cast<std::size_t>(kNearestShare * static_cast<double>(sorted.size() - 1))]);
-  return distance.unaryExpr([&](double d) { return std::max(0.0, 1 - (d / reach) * (d / reach)); });
+/// The used descriptors in standard units, simulations with the observation's error added, gaps at the mean.
+struct Standardised {
+  Eigen::MatrixXd simulations;
+  Eigen::VectorXd observed;
+  std::vector<Eigen::Index> outlying;
+};
+
+void check(const PriorSimulations& simulations, const Observation& observed) {
+  const Eigen::Index n = simulations.unit.rows();
+  if (simulations.descriptors.rows() != n || simulations.descriptors.cols() != observed.descriptors.size() ||
+      observed.error.size() != observed.descriptors.size() ||
+      simulations.known.cols() != observed.known.size() ||
+      (simulations.known.cols() > 0 && simulations.known.rows() != n) ||
+      (!simulations.group.empty() && static_cast<Eigen::Index>(simulations.group.size()) != n))
+    throw InputError("regression_posterior: parameters, descriptors and observation do not fit together");
 }
 
-/// Weighted ridge regression in the eigenbasis of the descriptors' covariance, with leave-one-out errors in
-/// closed form for any ridge strength.
-struct Ridge {
-  Eigen::VectorXd weights;    ///< summing to 1
-  Eigen::VectorXd centre;     ///< weighted mean descriptor
-  Eigen::MatrixXd basis;      ///< eigenvectors
-  Eigen::VectorXd variances;  ///< eigenvalues
-  Eigen::MatrixXd scores;     ///< descriptors in the basis
-
-  Ridge(const Eigen::MatrixXd& x, const Eigen::VectorXd& w) : weights(w / w.sum()) {
-    centre = x.transpose() * weights;
-    const Eigen::MatrixXd centred = x.rowwise() - centre.transpose();
-    const Eigen::MatrixXd covariance = centred.transpose() * weights.asDiagonal() * centred;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
-    basis = solver.eigenvectors();
-    variances = solver.eigenvalues().cwiseMax(0);
-    scores = centred * basis;
+Standardised standardise(const PriorSimulations& simulations, const Observation& observed) {
+  const Eigen::MatrixXd& all = simulations.descriptors;
+  std::vector<Eigen::VectorXd> columns;
+  std::vector<double> point;
+  Standardised out;
+  for (Eigen::Index j = 0; j < all.cols(); ++j) {
+    if (!std::isfinite(observed.descriptors[j])) continue;
+    Eigen::VectorXd column = all.col(j);
+    std::vector<double> finite;
+    for (Eigen::Index i = 0; i < column.size(); ++i) {
+      if (!std::isfinite(column[i])) continue;
+      if (observed.error[j] > 0)
+        column[i] +=
+            observed.error[j] *
+            Random(kErrorSeed).child({static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(j)}).normal();
+      finite.push_back(column[i]);
+    }
+    if (static_cast<double>(finite.size()) < kFewestShare * static_cast<double>(column.size())) continue;
+    const Eigen::Map<const Eigen::VectorXd> values(finite.data(), static_cast<Eigen::Index>(finite.size()));
+    const double mean = values.mean();
+    const double sd = std::sqrt((values.array() - mean).square().mean());
+    if (!(sd > 0)) continue;
+    std::sort(finite.begin(), finite.end());
+    const auto beyond = static_cast<std::size_t>(0.001 * static_cast<double>(finite.size()));
+    if (observed.descriptors[j] < finite[beyond] ||
+        observed.descriptors[j] > finite[finite.size() - 1 - beyond])
+      out.outlying.push_back(j);
+    columns.push_back(column.unaryExpr([&](double v) {
+      return std::isfinite(v) ? std::clamp((v - mean) / sd, -kFarthest, kFarthest) : 0.0;
+    }));
+    point.push_back(std::clamp((observed.descriptors[j] - mean) / sd, -kFarthest, kFarthest));
   }
+  const auto used = static_cast<Eigen::Index>(columns.size());
+  out.simulations.resize(all.rows(), used + simulations.known.cols());
+  for (Eigen::Index k = 0; k < used; ++k) out.simulations.col(k) = columns[static_cast<std::size_t>(k)];
+  out.simulations.rightCols(simulations.known.cols()) = simulations.known;
+  out.observed.resize(used + observed.known.size());
+  out.observed.head(used) =
+      Eigen::Map<const Eigen::VectorXd>(point.data(), static_cast<Eigen::Index>(point.size()));
+  out.observed.tail(observed.known.size()) = observed.known;
+  return out;
+}
 
-  struct Fit {
-    double prediction = 0;
-    double error = 0;          ///< weighted mean squared leave-one-out error
-    Eigen::VectorXd left_out;  ///< leave-one-out error of each simulation
-  };
-
-  Fit fit(const Eigen::VectorXd& y, const Eigen::VectorXd& observed, double strength) const {
-    const double mean = weights.dot(y);
-    const Eigen::VectorXd inverse = (variances.array() + strength).inverse();
-    const Eigen::VectorXd slope =
-        inverse.cwiseProduct(scores.transpose() * weights.cwiseProduct((y.array() - mean).matrix()));
-    Fit result;
-    result.prediction = mean + (basis.transpose() * (observed - centre)).dot(slope);
-    const Eigen::VectorXd residual = (y.array() - mean).matrix() - scores * slope;
-    const Eigen::VectorXd leverage =
-        weights.array() * (1 + (scores.array().square().matrix() * inverse).array());
-    result.left_out = residual.array() / (1 - leverage.array().min(0.95));
-    result.error = weights.dot(result.left_out.cwiseAbs2());
-    return result;
+/// Distance of each simulation from the observed tree: in the summaries, counted in their errors, and in what
+/// is known.
+Eigen::VectorXd distances(const SummaryRegression& regression, const PriorSimulations& simulations,
+                          const Observation& observed) {
+  Eigen::VectorXd square = Eigen::VectorXd::Zero(simulations.unit.rows());
+  for (Eigen::Index j = 0; j < simulations.unit.cols(); ++j) {
+    const double error = std::max(regression.error[j], 1e-6);
+    square.array() += ((regression.fitted.col(j).array() - regression.predicted[j]) / error).square();
   }
-};
+  for (Eigen::Index j = 0; j < observed.known.size(); ++j)
+    square.array() += ((simulations.known.col(j).array() - observed.known[j]) / kKnownScale).square();
+  return square.cwiseSqrt();
+}
+
+PosteriorSample prior_sample(const PriorSimulations& simulations) {
+  PosteriorSample sample;
+  sample.is_prior = true;
+  sample.unit = simulations.unit;
+  sample.weights = Eigen::VectorXd::Constant(
+      simulations.unit.rows(), 1.0 / static_cast<double>(std::max<Eigen::Index>(1, simulations.unit.rows())));
+  sample.rows.resize(static_cast<std::size_t>(simulations.unit.rows()));
+  std::iota(sample.rows.begin(), sample.rows.end(), Eigen::Index{0});
+  return sample;
+}
+
+}  // namespace
+
+PosteriorSample regression_posterior(const PriorSimulations& simulations, const Observation& observed) {
+  check(simulations, observed);
+  if (simulations.unit.rows() < kFewest) return prior_sample(simulations);
+  const Standardised data = standardise(simulations, observed);
+  if (data.observed.size() == 0) return prior_sample(simulations);
+
+  const SummaryRegression regression(data.simulations, simulations.unit, data.observed);
+  const Eigen::VectorXd distance = distances(regression, simulations, observed);
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(distance.size()));
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return distance[a] < distance[b]; });
+  const auto all = static_cast<double>(order.size());
+  const auto nearest =
+      static_cast<std::size_t>(std::min(all, std::clamp(kNearestShare * all, kFewestNearest, kMostNearest)));
+  order.resize(nearest);
+
+  PosteriorSample sample;
+  sample.rows = order;
+  sample.outlying = data.outlying;
+  sample.unit.resize(static_cast<Eigen::Index>(nearest), simulations.unit.cols());
+  sample.weights.resize(static_cast<Eigen::Index>(nearest));
+  const double reach = 1.0001 * distance[order.back()] + 1e-12;
+  for (std::size_t k = 0; k < nearest; ++k) {
+    const Eigen::Index i = order[k];
+    const auto at = static_cast<Eigen::Index>(k);
+    sample.weights[at] = 1 - std::pow(distance[i] / reach, 2);  // Epanechnikov
+    const Eigen::RowVectorXd moved =
+        regression.predicted.transpose() + simulations.unit.row(i) - regression.fitted.row(i);
+    sample.unit.row(at) = moved.cwiseMax(0.0).cwiseMin(1.0);
+  }
+  sample.weights /= sample.weights.sum();
+  return sample;
+}
 
 double weighted_quantile(const Eigen::VectorXd& values, const Eigen::VectorXd& weights, double share) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(values.size()));
@@ -78,34 +156,9 @@ double weighted_quantile(const Eigen::VectorXd& values, const Eigen::VectorXd& w
   return values[order.back()];
 }
 
-}  // namespace
-
-std::vector<UnitPosterior> regression_posterior(const Eigen::MatrixXd& parameters,
-                                                const Eigen::MatrixXd& descriptors,
-                                                const Eigen::VectorXd& observed) {
-  if (parameters.rows() != descriptors.rows() || descriptors.cols() != observed.size())
-    throw InputError("regression_posterior: parameters, descriptors and observation do not fit together");
-  std::vector<UnitPosterior> posterior(static_cast<std::size_t>(parameters.cols()));
-  if (parameters.rows() < kFewest || observed.size() == 0) return posterior;
-
-  const Ridge ridge(descriptors, kernel_weights(descriptors, observed));
-  const double scale = std::max(1e-12, ridge.variances.mean());
-  for (Eigen::Index j = 0; j < parameters.cols(); ++j) {
-    const Eigen::VectorXd y = parameters.col(j);
-    Ridge::Fit best;
-    best.error = HUGE_VAL;
-    for (double strength = 1e-4; strength < 2e3; strength *= 4) {
-      Ridge::Fit fit = ridge.fit(y, observed, strength * scale);
-      if (fit.error < best.error) best = std::move(fit);
-    }
-    const double prior_sd = std::sqrt((y.array() - y.mean()).square().mean());
-    const auto at = [&](double share) {
-      return std::clamp(best.prediction + weighted_quantile(best.left_out, ridge.weights, share), 0.0, 1.0);
-    };
-    UnitPosterior& p = posterior[static_cast<std::size_t>(j)];
-    p = {at(0.5), at(0.05), at(0.95), std::clamp(1 - std::sqrt(best.error) / prior_sd, 0.0, 1.0)};
-  }
-  return posterior;
+double weighted_deviation(const Eigen::VectorXd& values, const Eigen::VectorXd& weights) {
+  const double mean = weights.dot(values) / weights.sum();
+  return std::sqrt(weights.dot((values.array() - mean).square().matrix()) / weights.sum());
 }
 
 }  // namespace dendrofit

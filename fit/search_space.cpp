@@ -2,130 +2,164 @@
 #include "fit/search_space.h"
 
 #include "core/errors.h"
-#include "core/metrics.h"
-#include "core/tree_topology.h"
 #include "forward/growth_equations.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
 
 namespace dendrofit {
 namespace {
 
-constexpr int kFewestForks = 10;
-constexpr double kTypicalCycles = 20;
+constexpr double kStartSize = 2;  // internodes at age 0 (Table 2)
 
-/// v with sum(child^v) = parent^v, in [1.2, 5]; nothing where no such v exists (a child thicker than its
-/// parent).
-std::optional<double> fork_exponent(double parent, const std::vector<double>& children) {
-  const auto excess = [&](double v) {
-    double sum = 0;
-    for (const double child : children) sum += std::pow(child / parent, v);
-    return sum - 1;
-  };
-  double lo = 1.2;
-  double hi = 5;
-  if (excess(lo) < 0 || excess(hi) > 0) return {};
-  for (int i = 0; i < 40; ++i) (excess(0.5 * (lo + hi)) > 0 ? lo : hi) = 0.5 * (lo + hi);
-  return 0.5 * (lo + hi);
-}
-
-void estimate_pipe_exponent(const Tree& tree, DirectEstimates& direct) {
-  const TreeChildren children(tree);
-  std::vector<double> exponents;
-  for (std::size_t i = 0; i < tree.size(); ++i) {
-    const auto of = children.of(i);
-    if (of.size() < 2 || tree.quality[i] != RadiusQuality::measured) continue;
-    std::vector<double> radii;
-    bool measured = true;
-    for (const std::int32_t c : of) {
-      measured &= tree.quality[static_cast<std::size_t>(c)] == RadiusQuality::measured;
-      radii.push_back(tree.radius[static_cast<std::size_t>(c)]);
-    }
-    if (!measured) continue;
-    if (const auto v = fork_exponent(tree.radius[i], radii)) exponents.push_back(*v);
-  }
-  direct.forks = static_cast<int>(exponents.size());
-  if (direct.forks < kFewestForks) return;
-  const auto middle = exponents.begin() + static_cast<std::ptrdiff_t>(exponents.size() / 2);
-  std::nth_element(exponents.begin(), middle, exponents.end());
-  direct.pipe_exponent = std::clamp(*middle, 1.8, 3.5);
-}
+// Ranges about Table 2's trees and what the authors' program runs; see the model's parameter table for
+// meanings. Size and maturity: trees of about 40 to 110 internodes, half to fully grown.
+const std::vector<SearchRow> kRows = {
+    {"size", 50, 150, SearchScale::logarithmic, false},
+    {"maturity", 0.45, 0.99, SearchScale::linear, false},
+    {"cycles", 6, 26, SearchScale::whole, false},
+    {"shape", 1.5, 3, SearchScale::linear, true},
+    {"k", 0.15, 0.85},
+    {"lambda", 0.46, 0.58},
+    {"mu", 0.3, 2.0},
+    {"gamma", -1.5, 1.5},
+    {"shed_ratio", 0.05, 0.55},
+    {"branch_angle_deg", 15, 80},
+    {"pipe_exponent", 1.8, 3.5},
+    {"tip_share", 0.005, 0.06, SearchScale::logarithmic},  // tip radius over internode length
+    {"tau", 0, 14},
+    {"alpha", 6, 16, SearchScale::logarithmic},
+    {"sigma", 0.2, 0.8},
+    {"b_min", 1.6, 2.0},
+    {"b_rise", 0.1, 0.8},  // b_max - b_min
+};
 
 }  // namespace
 
-double scale_for(double height_m) {
-  constexpr std::array<double, 8> kSeries = {1, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005};
-  for (const double rho : kSeries)
-    if (height_m / rho >= 50) return rho;
-  return kSeries.back();
+const std::vector<std::string>& SearchSpace::equations() {
+  static const std::vector<std::string> names = {"logistic", "bertalanffy", "weibull"};
+  return names;
 }
 
-DirectEstimates estimate_directly(const Tree& tree, std::optional<double> internode_length_m) {
-  const TreeMetrics metrics = measure(tree);
-  DirectEstimates direct;
-  direct.height_m = metrics.height_m;
-  direct.dbh_m = metrics.dbh_m;
-  for (std::size_t i = 0; i < tree.size(); ++i)
-    if (tree.parent[i] < 0) direct.base_radius_m = std::max(direct.base_radius_m, tree.radius[i]);
-  direct.internode_length_m = internode_length_m.value_or(scale_for(metrics.height_m));
-  require(std::isfinite(direct.internode_length_m) && direct.internode_length_m > 0, "internode_length_m",
-          direct.internode_length_m, "must be positive");
-  estimate_pipe_exponent(tree, direct);
-  return direct;
-}
-
-SearchSpace::SearchSpace(const DirectEstimates& direct, const std::string& equation,
-                         std::optional<int> cycles)
-    : base_(igm_preset("table2-06").parameters) {
-  base_.rho_m = direct.internode_length_m;
-  base_.pipe_exponent = direct.pipe_exponent;
-  base_.set_equation(equation);
-  const double size = direct.height_m / base_.rho_m;
-  const double age = cycles.value_or(static_cast<int>(kTypicalCycles));
-  // The asymptote: at least about the size reached; a tree may yet double. Rates: the range of Table 2's
-  // trees for 20 cycles, in proportion for other ages.
-  const double rate = kTypicalCycles / age;
-  if (equation == "logistic") {
-    rows_ = {{"xm", 0.9 * size, 2.2 * size}, {"r", 0.15 * rate, 0.6 * rate}};
-    base_.set("x0", std::min(base_.get("x0"), 0.1 * size));
-  } else if (equation == "bertalanffy") {
-    rows_ = {{"beta1", 0.9 * size, 2.2 * size}, {"beta2", 0.06 * rate, 0.35 * rate}};
-  } else if (equation == "weibull") {
-    rows_ = {{"omega1", 0.9 * size, 2.2 * size}, {"omega2", 0.0005, 0.02}, {"omega3", 1.5, 3}};
-  } else {
+SearchSpace::SearchSpace(const std::string& equation)
+    : base_(igm_preset("table2-06").parameters), rows_(kRows), fixed_(kRows.size()) {
+  if (std::find(equations().begin(), equations().end(), equation) == equations().end())
     throw InputError("fit: equation '" + equation + "': expected logistic, bertalanffy or weibull");
-  }
-  rows_.insert(rows_.end(), {{"k", 0.15, 0.85},
-                             {"lambda", 0.46, 0.58},
-                             {"mu", 0.3, 2.0},
-                             {"gamma", -1.5, 1.5},
-                             {"shed_ratio", 0.05, 0.55},
-                             {"branch_angle_deg", 15, 80}});
-  if (cycles)
-    base_.cycles = *cycles;
-  else
-    rows_.push_back({"cycles", 6, 26});
+  base_.set_equation(equation);
+}
+
+Eigen::Index SearchSpace::row(std::string_view key) const {
+  for (std::size_t i = 0; i < rows_.size(); ++i)
+    if (rows_[i].key == key) return static_cast<Eigen::Index>(i);
+  throw InputError("fit: '" + std::string(key) + "' is not searched");
+}
+
+void SearchSpace::fix(std::string_view key, double value) {
+  fixed_[static_cast<std::size_t>(row(key))] = value;
+}
+
+void SearchSpace::fix_course(const GrowthCourse& course) {
+  const auto& cycles = fixed_[static_cast<std::size_t>(row("cycles"))];
+  if (!cycles) throw InputError("fit: a known time course needs the tree's age");
+  course_ = course;
+  fix("maturity", growth_equation(base_.equation).value(course.equation_values, *cycles));
+  fix("shape", base_.equation == "weibull" ? course.equation_values[2] : 2.0);
+}
+
+void SearchSpace::limit(std::string_view key, double lo, double hi) {
+  SearchRow& r = rows_[static_cast<std::size_t>(row(key))];
+  r.lo = lo;
+  r.hi = hi;
 }
 
 double SearchSpace::value(Eigen::Index row, double unit) const {
+  const auto i = static_cast<std::size_t>(row);
+  if (fixed_[i]) return *fixed_[i];
+  const SearchRow& r = rows_[i];
+  unit = std::clamp(unit, 0.0, 1.0);
+  if (r.scale == SearchScale::logarithmic) return r.lo * std::pow(r.hi / r.lo, unit);
+  if (r.scale == SearchScale::whole) return std::min(r.hi, std::floor(r.lo + unit * (r.hi - r.lo + 1)));
+  return r.lo + unit * (r.hi - r.lo);
+}
+
+double SearchSpace::unit(Eigen::Index row, double value) const {
   const SearchRow& r = rows_[static_cast<std::size_t>(row)];
-  const double value = r.lo + std::clamp(unit, 0.0, 1.0) * (r.hi - r.lo);
-  return r.key == "cycles" ? std::round(value) : value;
+  double unit = (value - r.lo) / (r.hi - r.lo);
+  if (r.scale == SearchScale::logarithmic) unit = std::log(value / r.lo) / std::log(r.hi / r.lo);
+  if (r.scale == SearchScale::whole) unit = (value - r.lo + 0.5) / (r.hi - r.lo + 1);
+  return std::clamp(unit, 0.0, 1.0);
+}
+
+void SearchSpace::set_course(IgmParameters& parameters, double size, double maturity, double cycles,
+                             double shape) const {
+  const double most = size / maturity;
+  if (course_) {
+    const GrowthEquation& equation = growth_equation(base_.equation);
+    parameters.equation_values = course_->equation_values;
+    parameters.equation_values[equation.asymptote_row] = most;
+    if (base_.equation == "logistic") parameters.equation_values[0] = course_->equation_values[0] * most;
+  } else if (base_.equation == "logistic") {  // X(T) = size: eq. 1 solved for r
+    const double r = (std::log(most / kStartSize - 1) + std::log(maturity / (1 - maturity))) / cycles;
+    parameters.equation_values = {kStartSize, most, r};
+  } else if (base_.equation == "bertalanffy") {
+    parameters.equation_values = {most, -std::log(1 - std::cbrt(maturity)) / cycles};
+  } else {
+    parameters.equation_values = {most, -std::log(1 - maturity) / std::pow(cycles, shape), shape};
+  }
 }
 
 IgmParameters SearchSpace::at(const Eigen::VectorXd& unit) const {
+  const auto of = [&](std::string_view key) {
+    const Eigen::Index i = row(key);
+    return value(i, unit[i]);
+  };
   IgmParameters parameters = base_;
-  for (Eigen::Index i = 0; i < size(); ++i)
-    parameters.set(rows_[static_cast<std::size_t>(i)].key, value(i, unit[i]));
+  set_course(parameters, of("size"), of("maturity"), of("cycles"), of("shape"));
+  for (const std::string_view key : {"k", "lambda", "mu", "gamma", "shed_ratio", "branch_angle_deg",
+                                     "pipe_exponent", "tau", "alpha", "sigma", "b_min", "cycles"})
+    parameters.set(key, of(key));
+  parameters.gamma_late = parameters.gamma;
+  parameters.b_max = parameters.b_min + of("b_rise");
+  parameters.tip_radius_m = of("tip_share") * parameters.rho_m;
   return parameters;
 }
 
-SearchSpace SearchSpace::rescaled(double internode_length_m) const {
-  SearchSpace other = *this;
-  other.base_.rho_m = internode_length_m;
-  return other;
+std::vector<ReportedRow> SearchSpace::reported() const {
+  std::vector<ReportedRow> rows;
+  for (const ParameterSpec& spec : growth_equation(base_.equation).parameters) {
+    if (course_ || spec.key == "x0") continue;
+    ReportedRow r{std::string(spec.key), std::numeric_limits<double>::infinity(),
+                  -std::numeric_limits<double>::infinity()};
+    for (int corner = 0; corner < 16; ++corner) {
+      Eigen::VectorXd unit = Eigen::VectorXd::Constant(size(), 0.5);
+      int bit = 1;
+      for (const char* key : {"size", "maturity", "cycles", "shape"}) {
+        unit[row(key)] = corner & bit ? 1 : 0;
+        bit *= 2;
+      }
+      const double v = at(unit).get(r.key);
+      r.lo = std::min(r.lo, v);
+      r.hi = std::max(r.hi, v);
+    }
+    rows.push_back(r);
+  }
+  for (const char* key : {"cycles", "k", "lambda", "mu", "gamma", "shed_ratio", "branch_angle_deg",
+                          "pipe_exponent", "tau", "alpha", "sigma", "b_min"}) {
+    const Eigen::Index i = row(key);
+    if (!fixed(i)) rows.push_back({key, value(i, 0), value(i, 1)});
+  }
+  const Eigen::Index base = row("b_min"), rise = row("b_rise");
+  rows.push_back({"b_max", value(base, 0) + value(rise, 0), value(base, 1) + value(rise, 1)});
+  return rows;
+}
+
+Eigen::VectorXd SearchSpace::report(const Eigen::VectorXd& unit, const std::vector<ReportedRow>& rows) const {
+  const IgmParameters parameters = at(unit);
+  Eigen::VectorXd values(static_cast<Eigen::Index>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    values[static_cast<Eigen::Index>(i)] = parameters.get(rows[i].key);
+  return values;
 }
 
 }  // namespace dendrofit

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fit/tree_simulator.h"
 
+#include "core/errors.h"
 #include "core/metrics.h"
 #include "core/parallel.h"
 #include "core/random.h"
 #include "forward/igm/grow.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace dendrofit {
 namespace {
@@ -21,6 +23,19 @@ double thickest_root(const Tree& tree) {
   for (std::size_t i = 0; i < tree.size(); ++i)
     if (tree.parent[i] < 0) radius = std::max(radius, tree.radius[i]);
   return radius;
+}
+
+std::vector<double> simulated(const IgmParameters& parameters, const SimulationSetting& setting,
+                              std::uint64_t key) {
+  Tree tree = regrow(parameters, setting.observed, key, no_progress()).tree;
+  DescribeOptions comparison = setting.comparison;
+  comparison.internode_length_m = parameters.rho_m;
+  if (!setting.observe) return describe(tree, comparison);
+  try {
+    return describe(setting.observe(tree, key), comparison);
+  } catch (const SolverError&) {  // the observer finds no tree: nothing to compare
+    return std::vector<double>(descriptor_table().size(), std::numeric_limits<double>::quiet_NaN());
+  }
 }
 
 }  // namespace
@@ -52,23 +67,27 @@ Regrown regrow(const IgmParameters& parameters, const DirectEstimates& observed,
 }
 
 Eigen::MatrixXd simulate(const std::vector<Eigen::VectorXd>& points, const SearchSpace& space,
-                         const DirectEstimates& observed, const DescribeOptions& comparison, int seeds,
-                         std::uint64_t seed, std::uint64_t first_key, int threads, Progress& progress) {
+                         const SimulationSetting& setting, int seeds, std::uint64_t first_key,
+                         SimulationLog& log, Progress& progress) {
   const auto per_point = static_cast<std::size_t>(seeds);
-  Eigen::MatrixXd rows(static_cast<Eigen::Index>(points.size() * per_point),
-                       static_cast<Eigen::Index>(descriptor_table().size()));
-  parallel_blocks(points.size() * per_point, 1, threads, [&](std::size_t first, std::size_t) {
+  const std::size_t count = points.size() * per_point;
+  std::vector<std::vector<double>> rows(count);
+  std::vector<std::uint64_t> keys(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    keys[i] = simulation_seed(setting.seed, first_key + i / per_point, static_cast<int>(i % per_point));
+    if (const auto* known = log.find(keys[i])) rows[i] = *known;
+  }
+  parallel_blocks(count, 1, setting.threads, [&](std::size_t i, std::size_t) {
     progress.check();
-    const std::size_t p = first / per_point;
-    const int s = static_cast<int>(first % per_point);
-    const std::uint64_t key = simulation_seed(seed, first_key + p, s);
-    const Regrown grown = regrow(space.at(points[p]), observed, key, no_progress());
-    const std::vector<double> values = describe(grown.tree, comparison);
-    rows.row(static_cast<Eigen::Index>(first)) =
-        Eigen::Map<const Eigen::RowVectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+    if (rows[i].empty()) rows[i] = simulated(space.at(points[i / per_point]), setting, keys[i]);
     progress.advance(1.0 / static_cast<double>(per_point));
   });
-  return rows;
+  Eigen::MatrixXd all(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(descriptor_table().size()));
+  for (std::size_t i = 0; i < count; ++i) {
+    all.row(static_cast<Eigen::Index>(i)) = Eigen::Map<const Eigen::RowVectorXd>(rows[i].data(), all.cols());
+    log.add(keys[i], std::move(rows[i]));
+  }
+  return all;
 }
 
 }  // namespace dendrofit

@@ -4,9 +4,12 @@
 
 #include "core/progress.h"
 #include "fit/descriptors.h"
+#include "fit/direct_estimates.h"
 #include "fit/search_space.h"
+#include "fit/simulation_log.h"
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -22,11 +25,24 @@ struct Regrown {
 Regrown regrow(const IgmParameters& parameters, const DirectEstimates& observed, std::uint64_t seed,
                Progress& progress);
 
+/// What an observer makes of a grown tree (a virtual scan and its reconstruction); the seed is the growth's.
+using ObserveTree = std::function<Tree(const Tree& grown, std::uint64_t seed)>;
+
+/// Everything a simulation depends on besides the point and its key.
+struct SimulationSetting {
+  DirectEstimates observed;
+  DescribeOptions comparison;
+  ObserveTree observe;  ///< none: trees are compared as grown
+  std::uint64_t seed = 1;
+  int threads = 0;
+};
+
 /// Descriptors of `seeds` trees for each point of the unit box, one row a simulation (NaN where a tree lacks
-/// something), point after point. Simulation s of point p is keyed (seed, first_key + p, s).
+/// something, or where `observe` finds none), point after point. Simulation s of point p is keyed (seed,
+/// first_key + p, s); those that `log` knows are taken from it, the others added.
 Eigen::MatrixXd simulate(const std::vector<Eigen::VectorXd>& points, const SearchSpace& space,
-                         const DirectEstimates& observed, const DescribeOptions& comparison, int seeds,
-                         std::uint64_t seed, std::uint64_t first_key, int threads, Progress& progress);
+                         const SimulationSetting& setting, int seeds, std::uint64_t first_key,
+                         SimulationLog& log, Progress& progress);
 
 /// The seed that simulation s of the point with this key grows under.
 std::uint64_t simulation_seed(std::uint64_t seed, std::uint64_t key, int s);

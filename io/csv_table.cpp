@@ -120,7 +120,9 @@ bool CsvTable::next() {
   split(line, fields_);
   if (fields_.size() != header_.size())
     fail(std::to_string(fields_.size()) + " fields; the header has " + std::to_string(header_.size()) +
-         " (truncated file, or a delimiter inside a field?)");
+         (delimiter_ == ',' && fields_.size() > header_.size()
+              ? " (decimal commas? then put semicolons between the columns)"
+              : " (truncated file, or a delimiter inside a field?)"));
   return true;
 }
 

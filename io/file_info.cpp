@@ -3,6 +3,7 @@
 
 #include "core/errors.h"
 #include "io/cloud_formats.h"
+#include "io/glb_info.h"
 #include "io/las_format.h"
 #include "io/ply_file.h"
 #include "io/read_cloud.h"
@@ -30,11 +31,11 @@ void describe_mesh(FileInfo& info, const std::filesystem::path& path, const char
   info.details.emplace_back("vertices", std::to_string(mesh.vertices.size()));
 }
 
-void describe_cloud(FileInfo& info, const FileBytes& bytes) {
+void describe_cloud(FileInfo& info, const FileBytes& bytes, Progress& progress) {
   const CloudFormat format = cloud_format_of(bytes);
   info.kind = "cloud";
   info.format = to_string(format);
-  info.cloud = read_point_cloud(bytes.path());
+  info.cloud = read_point_cloud(bytes.path(), {}, progress);
   info.crs_wkt = info.cloud->crs_wkt;
   info.bounds = world_bounds(info.cloud->points, info.cloud->origin_shift);
   if (format == CloudFormat::las || format == CloudFormat::laz) {
@@ -44,8 +45,26 @@ void describe_cloud(FileInfo& info, const FileBytes& bytes) {
     std::string step;
     append_number(step, header.scale[0]);
     info.details.emplace_back("coordinate step", step);
+    LasFrame frame;
+    for (int k = 0; k < 3; ++k) {
+      frame.step[k] = header.scale[k];
+      frame.offset[k] = header.offset[k];
+    }
+    for (const LasRecord& record : header.projection)
+      frame.projection.emplace_back(record.id, record.content);
+    info.frame = frame;
     if (!header.software.empty()) info.details.emplace_back("written by", header.software);
   }
+}
+
+void describe_glb(FileInfo& info, const FileBytes& bytes) {
+  const GlbInfo glb = read_glb_info(bytes);
+  info.kind = "mesh";
+  info.format = "glb";
+  info.rows = glb.triangles;
+  info.bounds = glb.bounds;
+  info.details.emplace_back("vertices", std::to_string(glb.vertices));
+  if (glb.instances > 0) info.details.emplace_back("instances", std::to_string(glb.instances));
 }
 
 void describe_tree(FileInfo& info, const std::filesystem::path& path) {
@@ -85,13 +104,15 @@ bool is_obj(const FileBytes& bytes) {
 
 }  // namespace
 
-FileInfo describe_file(const std::filesystem::path& path) {
+FileInfo describe_file(const std::filesystem::path& path, Progress& progress) {
   const FileBytes bytes(path);
   FileInfo info;
   info.bytes = bytes.size();
   const std::string_view view = bytes.view();
-  if (view.starts_with("LASF") || view.starts_with("ASTM-E57")) {
-    describe_cloud(info, bytes);
+  if (view.starts_with("glTF")) {
+    describe_glb(info, bytes);
+  } else if (view.starts_with("LASF") || view.starts_with("ASTM-E57")) {
+    describe_cloud(info, bytes, progress);
   } else if (view.starts_with("ply")) {
     const PlyElement* face = nullptr;
     const PlyHeader header = read_ply_header(bytes);
@@ -99,7 +120,7 @@ FileInfo describe_file(const std::filesystem::path& path) {
     if (face && face->count > 0)
       describe_mesh(info, path, "ply");
     else
-      describe_cloud(info, bytes);
+      describe_cloud(info, bytes, progress);
   } else if (is_obj(bytes)) {
     describe_mesh(info, path, "obj");
   } else if (is_tree(path)) {
@@ -107,7 +128,7 @@ FileInfo describe_file(const std::filesystem::path& path) {
   } else if (has_columns(bytes, "time", "value")) {
     describe_table(info, path);
   } else {
-    describe_cloud(info, bytes);
+    describe_cloud(info, bytes, progress);
   }
   return info;
 }

@@ -153,30 +153,70 @@ class Scene {
   int node_count_ = 0;
 };
 
-void add_leaves(Scene& scene, const Foliage& foliage) {
-  Eigen::Matrix3d to_y_up;
+Eigen::Quaterniond turned_y_up(const Vec3& x, const Vec3& y, const Vec3& z) {
+  Eigen::Matrix3d to_y_up, frame;
   to_y_up << 1, 0, 0, 0, 0, 1, 0, -1, 0;
-  for (std::size_t s = 0; s < foliage.shapes.size(); ++s) {
-    std::vector<Vec3> places;
-    std::vector<Vec3> scales;
-    std::vector<Eigen::Quaterniond> turns;
-    for (const Leaf& leaf : foliage.leaves) {
-      if (leaf.shape != s) continue;
-      Eigen::Matrix3d frame;
-      frame << leaf.direction.cross(leaf.normal), leaf.direction, leaf.normal;
-      places.push_back(y_up(leaf.origin));
-      scales.push_back(Vec3::Constant(leaf.length_m));
-      turns.push_back(Eigen::Quaterniond(Eigen::Matrix3d(to_y_up * frame)).normalized());
-    }
-    if (places.empty()) continue;
-    const std::string mesh = scene.mesh(foliage.shapes[s].vertices, foliage.shapes[s].triangles, 1);
+  frame << x, y, z;
+  return Eigen::Quaterniond(Eigen::Matrix3d(to_y_up * frame)).normalized();
+}
+
+// One mesh drawn at many places.
+struct Instances {
+  std::vector<Vec3> places;
+  std::vector<Vec3> scales;
+  std::vector<Eigen::Quaterniond> turns;
+
+  void write(Scene& scene, const std::string& name, const std::string& mesh) const {
     const std::string place = scene.vectors(places, 0);
     const std::string turn = scene.rotations(turns);
     const std::string scale = scene.vectors(scales, 0);
-    scene.node("{\"name\":\"leaves\",\"mesh\":" + mesh +
+    scene.node("{\"name\":\"" + name + "\",\"mesh\":" + mesh +
                ",\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":" + place +
                ",\"ROTATION\":" + turn + ",\"SCALE\":" + scale + "}}}}");
   }
+};
+
+// Strips of the width and length core/foliage.h gives them, in the order in which the leaves are drawn.
+void add_petioles(Scene& scene, const Foliage& foliage) {
+  Instances strips;
+  std::array<Vec3, 4> corner;
+  for (std::size_t s = 0; s < foliage.shapes.size(); ++s)
+    for (const Leaf& leaf : foliage.leaves) {
+      if (leaf.shape != s || !petiole_corners(leaf, foliage.shapes[s], corner)) continue;
+      const Vec3 along = leaf.origin - leaf.petiole_foot;
+      const Vec3 across = (corner[1] - corner[0]).normalized();
+      const Vec3 y = along.normalized();
+      const Vec3 x = (across - across.dot(y) * y).normalized();
+      strips.places.push_back(y_up(leaf.petiole_foot));
+      strips.scales.push_back(Vec3((corner[1] - corner[0]).norm(), along.norm(), 1));
+      strips.turns.push_back(turned_y_up(x, y, x.cross(y)));
+    }
+  if (strips.places.empty()) return;
+  strips.write(scene, "petioles",
+               scene.mesh({{-0.5, 0, 0}, {0.5, 0, 0}, {0.5, 1, 0}, {-0.5, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}, 1));
+}
+
+void add_wood(Scene& scene, const std::string& name, const TriangleMesh& wood) {
+  std::vector<Vec3> vertices;
+  vertices.reserve(wood.vertices.size());
+  for (const Vec3& v : wood.vertices) vertices.push_back(y_up(v));
+  scene.node("{\"name\":\"" + name + "\",\"mesh\":" + scene.mesh(vertices, wood.triangles, 0) + "}");
+}
+
+void add_leaves(Scene& scene, const Foliage& foliage) {
+  for (std::size_t s = 0; s < foliage.shapes.size(); ++s) {
+    Instances blades;
+    for (const Leaf& leaf : foliage.leaves) {
+      if (leaf.shape != s) continue;
+      blades.places.push_back(y_up(leaf.origin));
+      blades.scales.push_back(Vec3::Constant(leaf.length_m));
+      blades.turns.push_back(turned_y_up(leaf.direction.cross(leaf.normal), leaf.direction, leaf.normal));
+    }
+    if (blades.places.empty()) continue;
+    blades.write(scene, "leaves", scene.mesh(foliage.shapes[s].vertices, foliage.shapes[s].triangles, 1));
+  }
+  add_petioles(scene, foliage);
+  if (!foliage.twigs.empty()) add_wood(scene, "added_twigs", tree_mesh(foliage.twigs));
 }
 
 }  // namespace
@@ -187,12 +227,7 @@ void write_glb(const std::filesystem::path& path, const TriangleMesh* wood, cons
   if (!has_wood && !has_leaves)
     throw InputError(path.string() + ": a scene without wood and leaves is not written");
   Scene scene;
-  if (has_wood) {
-    std::vector<Vec3> vertices;
-    vertices.reserve(wood->vertices.size());
-    for (const Vec3& v : wood->vertices) vertices.push_back(y_up(v));
-    scene.node("{\"name\":\"wood\",\"mesh\":" + scene.mesh(vertices, wood->triangles, 0) + "}");
-  }
+  if (has_wood) add_wood(scene, "wood", *wood);
   if (has_leaves) add_leaves(scene, *foliage);
   scene.write(path, has_wood ? wood->origin_shift : foliage->origin_shift, has_leaves);
 }

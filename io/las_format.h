@@ -10,8 +10,15 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace dendrofit {
+
+/// A variable length record about the coordinate system (user LASF_Projection), as it stands in the file.
+struct LasRecord {
+  std::uint16_t id = 0;  ///< 2112 WKT, 34735 GeoTIFF keys, 34736 and 34737 their numbers and texts
+  std::string content;
+};
 
 struct LasHeader {
   int major = 1;
@@ -24,6 +31,7 @@ struct LasHeader {
   double scale[3] = {};
   double offset[3] = {};
   std::string crs_wkt;  ///< WKT as stated, or "EPSG:n" from GeoTIFF keys
+  std::vector<LasRecord> projection;
   std::string software;
   std::uint32_t chunk_points =
       0;  ///< of compressed points: points a chunk, 2^32 - 1 where it varies; 0 without its record
@@ -52,5 +60,16 @@ class LasDecoder {
   Progress& progress_;
   PointCloud cloud_;
 };
+
+/// Whether this build compresses (through LASzip).
+bool can_write_laz();
+/// Throws IoError: why there is no LAZ writing, and what to do.
+[[noreturn]] void fail_without_laz_writer(const std::filesystem::path& out);
+
+/// LAS or LAZ into LAS or LAZ (by the extension of `out`): every attribute of every point, the records and
+/// the integer coordinates as they are; `shift` (metres) is added to offsets and bounds. Waveform packets are
+/// left behind. Throws IoError for a damaged file, or for .laz where can_write_laz() is false.
+void copy_las(const std::filesystem::path& in, const std::filesystem::path& out, const Vec3& shift,
+              Progress& progress);
 
 }  // namespace dendrofit

@@ -54,9 +54,7 @@ void from_json(const Json& json, std::optional<double>& value) {
   value = json.is_null() ? std::nullopt : std::optional(json.get<double>());
 }
 
-}  // namespace
-
-std::string metrics_to_json(const TreeMetrics& metrics) {
+Json object_of(const TreeMetrics& metrics) {
   Json json = Json::object();
   visit_fields(metrics, [&](const char* key, const auto& value) { json[key] = to_json(value); });
   Json taper = Json::array();
@@ -66,11 +64,20 @@ std::string metrics_to_json(const TreeMetrics& metrics) {
   for (const auto& [name, i] : metrics.intervals)
     intervals[name] = {{"value", i.value}, {"lo", i.lo}, {"hi", i.hi}};
   json["intervals"] = intervals;
+  return json;
+}
+
+}  // namespace
+
+std::string metrics_to_json(const TreeMetrics& metrics, std::span<const TreeMetrics> trees) {
+  Json json = object_of(metrics);
+  for (const TreeMetrics& tree : trees) json["trees"].push_back(object_of(tree));
   return json.dump(1) + "\n";
 }
 
-void write_metrics(const std::filesystem::path& path, const TreeMetrics& metrics) {
-  write_file(path, metrics_to_json(metrics));
+void write_metrics(const std::filesystem::path& path, const TreeMetrics& metrics,
+                   std::span<const TreeMetrics> trees) {
+  write_file(path, metrics_to_json(metrics, trees));
 }
 
 TreeMetrics metrics_from_json(const std::filesystem::path& path) {
@@ -90,10 +97,12 @@ TreeMetrics metrics_from_json(const std::filesystem::path& path) {
   try {
     visit_fields(metrics, [&](const char* name, auto& value) {
       key = name;
-      if (const auto found = json.find(name); found != json.end()) from_json(*found, value);
+      const auto found = json.find(name);
+      // null: not told (a photograph shows no crown volume); the height always is.
+      if (found != json.end() && (!found->is_null() || key == "height_m")) from_json(*found, value);
     });
     key = "stem_taper";
-    if (const auto taper = json.find(key); taper != json.end())
+    if (const auto taper = json.find(key); taper != json.end() && !taper->is_null())
       for (const Json& pair : *taper)
         metrics.stem_taper.push_back({pair.at(0).get<double>(), pair.at(1).get<double>()});
     key = "intervals";

@@ -97,14 +97,17 @@ PlyHeader read_ply_header(const FileBytes& bytes) {
     const std::size_t end = view.find('\n', at);
     ++header.lines;
     const auto fail = [&](const std::string& what) { fail_at_line(bytes.path(), header.lines, what); };
-    if (end == std::string_view::npos || end - at > 4096)
+    if (end == std::string_view::npos || end - at > 1 << 17)
       fail("the header has no 'end_header'; the file is truncated or no PLY");
-    const std::vector<std::string_view> words = words_of(view.substr(at, end - at));
+    const std::string_view line = trimmed(view.substr(at, end - at));
+    const std::vector<std::string_view> words = words_of(line);
     at = end + 1;
     if (header.lines == 1) {
       if (words.size() != 1 || words[0] != "ply") fail("'ply' expected on the first line");
       continue;
     }
+    constexpr std::string_view crs = "comment crs ";
+    if (line.starts_with(crs)) header.crs = trimmed(line.substr(crs.size()));
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
     if (words[0] == "end_header") break;
     if (words[0] == "format" && words.size() == 3) {

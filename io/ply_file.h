@@ -38,6 +38,7 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
   std::uint64_t data_offset = 0;
   std::size_t lines = 0;  ///< of the header
+  std::string crs;        ///< after "comment crs", as write_point_cloud leaves it
   const PlyElement* find(std::string_view element) const;
 };
 

@@ -66,6 +66,7 @@ std::uint64_t read_record(const FileBytes& bytes, std::uint64_t at, bool extende
   if (user.starts_with("LASF_Projection")) {
     if (id == 2112 && header.crs_wkt.empty()) header.crs_wkt = printable(content);
     if (id == 34735 && epsg.empty()) epsg = epsg_of(content);
+    header.projection.push_back({id, std::string(content)});
   }
   if (user.starts_with("laszip encoded") && id == 22204 && length >= 16)
     header.chunk_points = FileBytes::load<std::uint32_t>(content.data() + 12);

@@ -1,25 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // LAZ: header, records and chunk table by ourselves; the points through the LASzip library where the build
-// has it, else through scripts/laz (Node and npm's laz-perf) in a process of its own.
+// has it (io/laszip.cpp), else through scripts/laz (Node and npm's laz-perf) in a process of its own.
 #include "io/child_process.h"
 #include "io/cloud_formats.h"
-#include "io/las_format.h"
+#include "io/laz_stream.h"
 
 #include <algorithm>
 #include <cstdlib>
 #include <vector>
-
-#if DENDROFIT_HAS_LASZIP
-#include <laszip/laszip_api.h>
-#endif
 
 namespace dendrofit {
 namespace {
 
 constexpr std::uint32_t kVariableChunks = 0xffffffff;
 
+}  // namespace
+
 // A decoder believes what it is told: what the chunk table contradicts is found here, before it runs.
-void check_chunks(const FileBytes& bytes, const LasHeader& h) {
+void check_laz_chunks(const FileBytes& bytes, const LasHeader& h) {
   const auto fail = [&](std::uint64_t at, const std::string& what) {
     fail_at_byte(bytes.path(), at, what + "; the file is truncated or damaged, copy it again");
   };
@@ -44,40 +42,15 @@ void check_chunks(const FileBytes& bytes, const LasHeader& h) {
                         std::to_string(needed) + " chunks; the file has " + std::to_string(chunks));
 }
 
-[[noreturn]] void fail_damaged(const FileBytes& bytes, std::uint64_t points, std::uint64_t of) {
+void fail_laz_damaged(const FileBytes& bytes, std::uint64_t points, std::uint64_t of) {
   fail_at_byte(bytes.path(), bytes.size(),
                "decompression failed after " + std::to_string(points) + " of " + std::to_string(of) +
                    " points; the file is damaged, copy it again");
 }
 
-#if DENDROFIT_HAS_LASZIP
+#if !DENDROFIT_HAS_LASZIP
 
-PointCloud decompress(const FileBytes& bytes, const LasHeader& h, Progress& progress) {
-  struct Reader {
-    laszip_POINTER handle = nullptr;
-    bool open = false;
-    ~Reader() {
-      if (open) laszip_close_reader(handle);
-      if (handle) laszip_destroy(handle);
-    }
-  } reader;
-  LasDecoder decoder(h, progress);
-  laszip_BOOL compressed = 0;
-  laszip_point_struct* point = nullptr;
-  if (laszip_create(&reader.handle) != 0)
-    fail_in_file(bytes.path(), "the LASzip library could not be started");
-  reader.open = laszip_open_reader(reader.handle, bytes.path().c_str(), &compressed) == 0;
-  if (!reader.open || laszip_get_point_pointer(reader.handle, &point) != 0)
-    fail_damaged(bytes, 0, h.point_count);
-  for (std::uint64_t i = 0; i < h.point_count; ++i) {
-    if (laszip_read_point(reader.handle) != 0) fail_damaged(bytes, i, h.point_count);
-    const std::uint8_t kind = h.point_format >= 6 ? point->extended_classification : point->classification;
-    decoder.append(point->X, point->Y, point->Z, point->intensity, kind);
-  }
-  return decoder.take();
-}
-
-#else
+namespace {
 
 // The folder with laz_points.js: named by the environment, installed beside the program, or in the sources.
 std::filesystem::path helper_folder() {
@@ -92,7 +65,11 @@ std::filesystem::path helper_folder() {
   return folders.back();
 }
 
-PointCloud decompress(const FileBytes& bytes, const LasHeader& h, Progress& progress) {
+}  // namespace
+
+void laz_records(const FileBytes& bytes, const LasHeader& h,
+                 const std::function<void(const char* records, std::uint64_t count)>& take,
+                 Progress& progress) {
   const std::filesystem::path node = find_program({"node", "nodejs"});
   const std::filesystem::path folder = helper_folder();
   std::error_code ignored;
@@ -104,28 +81,34 @@ PointCloud decompress(const FileBytes& bytes, const LasHeader& h, Progress& prog
             folder.string() + "', or save the cloud as .las");
   ChildProcess child(
       {node.string(), (folder / "laz_points.js").string(), std::filesystem::absolute(bytes.path()).string()});
-  LasDecoder decoder(h, progress);
   std::vector<char> block(std::size_t{h.record_length} * 65536);
-  while (decoder.count() < h.point_count) {
-    const std::uint64_t points = std::min<std::uint64_t>(65536, h.point_count - decoder.count());
+  std::uint64_t done = 0;
+  while (done < h.point_count) {
+    const std::uint64_t points = std::min<std::uint64_t>(65536, h.point_count - done);
     const std::size_t wanted = points * h.record_length;
     const std::size_t got = child.read(block.data(), wanted);
-    decoder.append(block.data(), got / h.record_length);
+    take(block.data(), got / h.record_length);
+    done += got / h.record_length;
     if (got < wanted) break;
   }
-  if (decoder.count() < h.point_count || child.wait() != 0)
-    fail_damaged(bytes, decoder.count(), h.point_count);
-  return decoder.take();
+  progress.check();  // a Ctrl-C ends the child too
+  if (done < h.point_count || child.wait() != 0) fail_laz_damaged(bytes, done, h.point_count);
 }
 
 #endif
 
-}  // namespace
-
 PointCloud read_laz(const FileBytes& bytes, Progress& progress) {
   const LasHeader header = read_las_header(bytes);
-  check_chunks(bytes, header);
-  return decompress(bytes, header, progress);
+  check_laz_chunks(bytes, header);
+#if DENDROFIT_HAS_LASZIP
+  return laszip_read(bytes, header, progress);
+#else
+  LasDecoder decoder(header, progress);
+  laz_records(
+      bytes, header, [&](const char* records, std::uint64_t count) { decoder.append(records, count); },
+      progress);
+  return decoder.take();
+#endif
 }
 
 }  // namespace dendrofit

@@ -44,6 +44,7 @@ PointCloud read_ply_cloud(const FileBytes& bytes, Progress& progress) {
     for (std::uint64_t i = 0; i < e.count; ++i) cursor.skip(e);
   }
   PointCloud cloud;
+  cloud.crs_wkt = header.crs;
   cloud.points.reserve(vertex->count);
   if (intensity >= 0) cloud.intensity.reserve(vertex->count);
   if (classes >= 0) cloud.classification.reserve(vertex->count);

@@ -7,6 +7,7 @@
 #include "io/text_numbers.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -19,7 +20,9 @@ namespace {
 // Little-endian bytes gathered in blocks and handed to the file.
 class Bytes {
  public:
-  explicit Bytes(std::ostream& out) : out_(out) { block_.reserve(kBlock + 256); }
+  Bytes(std::ostream& out, Progress& progress) : out_(out), progress_(progress) {
+    block_.reserve(kBlock + 256);
+  }
   template <class Number>
   Bytes& put(Number value) {
     static_assert(std::endian::native == std::endian::little);
@@ -37,6 +40,7 @@ class Bytes {
     if (block_.size() >= kBlock) flush();
   }
   void flush() {
+    progress_.check();
     out_.write(block_.data(), static_cast<std::streamsize>(block_.size()));
     block_.clear();
   }
@@ -44,6 +48,7 @@ class Bytes {
  private:
   static constexpr std::size_t kBlock = 1 << 20;
   std::ostream& out_;
+  Progress& progress_;
   std::string block_;
 };
 
@@ -72,46 +77,69 @@ std::string geo_keys(const std::string& crs) {
   return {reinterpret_cast<const char*>(keys), sizeof(keys)};
 }
 
-void write_las(std::ostream& out, const PointCloud& cloud) {
+// The given frame where every coordinate is a 32 bit multiple of its step; else one of our own.
+LasFrame frame_for(const PointCloud& cloud, const std::optional<LasFrame>& wanted) {
   const Bounds bounds = bounds_of(cloud.points);
-  const Vec3 offset = cloud.origin_shift;
+  const auto reach = [&](const Vec3& offset) {
+    const Vec3 lo = bounds.lo + (cloud.origin_shift - offset), hi = bounds.hi + (cloud.origin_shift - offset);
+    return Vec3(lo.cwiseAbs().cwiseMax(hi.cwiseAbs()));
+  };
+  LasFrame frame = wanted.value_or(LasFrame{});
+  if (wanted && reach(frame.offset).cwiseQuotient(frame.step).maxCoeff() < 2e9) return frame;
+  frame.offset = cloud.origin_shift;
   double step = 1e-5;
-  const double reach = std::max(bounds.lo.cwiseAbs().maxCoeff(), bounds.hi.cwiseAbs().maxCoeff());
-  while (reach / step > 2e9) step *= 10;
-  const auto grid = [step](double v) { return static_cast<std::int32_t>(std::lround(v / step)); };
-  const std::string keys = geo_keys(cloud.crs_wkt);
-  const std::string wkt = keys.empty() && !cloud.crs_wkt.empty() ? cloud.crs_wkt + '\0' : std::string();
-  if (wkt.size() > 65535)
-    throw InputError("coordinate system: a WKT of more than 65535 bytes does not fit a LAS record");
+  while (reach(frame.offset).maxCoeff() / step > 2e9) step *= 10;
+  frame.step = Vec3::Constant(step);
+  return frame;
+}
+
+// The coordinate system's records: as they were, else made from the cloud's own words.
+std::vector<std::pair<std::uint16_t, std::string>> projection_records(const PointCloud& cloud,
+                                                                      const LasFrame& frame) {
+  if (!frame.projection.empty() || cloud.crs_wkt.empty()) return frame.projection;
+  if (const std::string keys = geo_keys(cloud.crs_wkt); !keys.empty()) return {{34735, keys}};
+  return {{2112, cloud.crs_wkt + '\0'}};
+}
+
+void write_las(std::ostream& out, const PointCloud& cloud, const std::optional<LasFrame>& wanted,
+               Progress& progress) {
+  const Bounds bounds = bounds_of(cloud.points);
+  const LasFrame frame = frame_for(cloud, wanted);
+  const Vec3 local = cloud.origin_shift - frame.offset;
+  const auto grid = [&](const Vec3& p, int k) {
+    return static_cast<std::int32_t>(std::lround((p[k] + local[k]) / frame.step[k]));
+  };
+  const auto records = projection_records(cloud, frame);
+  std::size_t record_bytes = 0;
+  bool wkt = false;
+  for (const auto& [id, content] : records) {
+    if (content.size() > 65535)
+      throw InputError("coordinate system: a record of more than 65535 bytes does not fit a LAS file");
+    record_bytes += 54 + content.size();
+    wkt = wkt || id == 2112;
+  }
   const bool high_class = std::any_of(cloud.classification.begin(), cloud.classification.end(),
                                       [](std::uint8_t c) { return c > 31; });
-  const bool modern = !wkt.empty() || high_class || cloud.size() > std::numeric_limits<std::uint32_t>::max();
-  const std::string& record = wkt.empty() ? keys : wkt;
+  const bool modern = wkt || high_class || cloud.size() > std::numeric_limits<std::uint32_t>::max();
   const std::uint16_t header_size = modern ? 375 : 227;
-  const auto points_offset =
-      static_cast<std::uint32_t>(header_size + (record.empty() ? 0 : 54 + record.size()));
+  const auto points_offset = static_cast<std::uint32_t>(header_size + record_bytes);
   const int format = modern ? 6 : 0;
   const auto length = static_cast<std::uint16_t>(las_record_length(format));
-  Bytes bytes(out);
-  bytes.text("LASF", 4)
-      .put(std::uint16_t{0})
-      .put(static_cast<std::uint16_t>(wkt.empty() ? 0 : 16))
-      .text("", 16);
+  Bytes bytes(out, progress);
+  bytes.text("LASF", 4).put(std::uint16_t{0}).put(static_cast<std::uint16_t>(wkt ? 16 : 0)).text("", 16);
   bytes.put(std::uint8_t{1})
       .put(static_cast<std::uint8_t>(modern ? 4 : 2))
       .text("", 32)
       .text("dendrofit", 32);
   bytes.put(std::uint16_t{0}).put(std::uint16_t{0}).put(header_size).put(points_offset);
-  bytes.put(static_cast<std::uint32_t>(record.empty() ? 0 : 1))
-      .put(static_cast<std::uint8_t>(format))
-      .put(length);
+  bytes.put(static_cast<std::uint32_t>(records.size())).put(static_cast<std::uint8_t>(format)).put(length);
   const std::uint32_t legacy = modern ? 0 : static_cast<std::uint32_t>(cloud.size());
   bytes.put(legacy).put(legacy).text("", 16);  // all points as first returns
-  for (int k = 0; k < 3; ++k) bytes.put(step);
-  for (int k = 0; k < 3; ++k) bytes.put(offset[k]);
+  for (int k = 0; k < 3; ++k) bytes.put(frame.step[k]);
+  for (int k = 0; k < 3; ++k) bytes.put(frame.offset[k]);
   for (int k = 0; k < 3; ++k) {
-    bytes.put(grid(bounds.hi[k]) * step + offset[k]);
-    bytes.put(grid(bounds.lo[k]) * step + offset[k]);
+    bytes.put(grid(bounds.hi, k) * frame.step[k] + frame.offset[k]);
+    bytes.put(grid(bounds.lo, k) * frame.step[k] + frame.offset[k]);
   }
   if (modern) {
     bytes.put(std::uint64_t{0})
@@ -120,14 +148,12 @@ void write_las(std::ostream& out, const PointCloud& cloud) {
         .put(static_cast<std::uint64_t>(cloud.size()));
     bytes.put(static_cast<std::uint64_t>(cloud.size())).text("", 14 * 8);
   }
-  if (!record.empty()) {
-    bytes.put(std::uint16_t{0})
-        .text("LASF_Projection", 16)
-        .put(static_cast<std::uint16_t>(wkt.empty() ? 34735 : 2112));
-    bytes.put(static_cast<std::uint16_t>(record.size())).text("", 32).text(record, record.size());
+  for (const auto& [id, content] : records) {
+    bytes.put(std::uint16_t{0}).text("LASF_Projection", 16).put(id);
+    bytes.put(static_cast<std::uint16_t>(content.size())).text("", 32).text(content, content.size());
   }
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    for (int k = 0; k < 3; ++k) bytes.put(grid(cloud.points[i][k]));
+    for (int k = 0; k < 3; ++k) bytes.put(grid(cloud.points[i], k));
     const std::uint8_t kind = cloud.classification.empty() ? std::uint8_t{0} : cloud.classification[i];
     bytes.put(las_intensity(cloud, i));
     if (modern) {
@@ -154,10 +180,18 @@ void put_point_binary(Bytes& bytes, const PointCloud& cloud, std::size_t i) {
   bytes.flush_if_full();
 }
 
-void write_ply(std::ostream& out, const PointCloud& cloud) {
-  Bytes bytes(out);
-  bytes.block() += "ply\nformat binary_little_endian 1.0\ncomment written by dendrofit\nelement vertex " +
-                   std::to_string(cloud.size()) +
+// One line, as a PLY comment must be.
+std::string crs_comment(std::string crs) {
+  if (crs.empty()) return {};
+  std::replace_if(
+      crs.begin(), crs.end(), [](unsigned char c) { return c < 32; }, ' ');
+  return "comment crs " + crs + "\n";
+}
+
+void write_ply(std::ostream& out, const PointCloud& cloud, Progress& progress) {
+  Bytes bytes(out, progress);
+  bytes.block() += "ply\nformat binary_little_endian 1.0\ncomment written by dendrofit\n" +
+                   crs_comment(cloud.crs_wkt) + "element vertex " + std::to_string(cloud.size()) +
                    "\nproperty double x\nproperty double y\nproperty double z\n";
   if (!cloud.intensity.empty()) bytes.block() += "property float intensity\n";
   if (!cloud.classification.empty()) bytes.block() += "property uchar classification\n";
@@ -166,8 +200,8 @@ void write_ply(std::ostream& out, const PointCloud& cloud) {
   bytes.flush();
 }
 
-void write_pcd(std::ostream& out, const PointCloud& cloud) {
-  Bytes bytes(out);
+void write_pcd(std::ostream& out, const PointCloud& cloud, Progress& progress) {
+  Bytes bytes(out, progress);
   const bool intensity = !cloud.intensity.empty();
   const bool classes = !cloud.classification.empty();
   const auto row = [&](const char* name, const char* each, const char* of_intensity, const char* of_class) {
@@ -186,8 +220,8 @@ void write_pcd(std::ostream& out, const PointCloud& cloud) {
   bytes.flush();
 }
 
-void write_text(std::ostream& out, const PointCloud& cloud, char delimiter) {
-  Bytes bytes(out);
+void write_text(std::ostream& out, const PointCloud& cloud, char delimiter, Progress& progress) {
+  Bytes bytes(out, progress);
   const bool intensity = !cloud.intensity.empty();
   const bool classes = !cloud.classification.empty();
   const std::string d(1, delimiter);
@@ -215,8 +249,20 @@ void write_text(std::ostream& out, const PointCloud& cloud, char delimiter) {
 
 }  // namespace
 
-void write_point_cloud(const std::filesystem::path& path, const PointCloud& cloud) {
+void check_cloud_format(const std::filesystem::path& path) {
+  const std::string extension = lower(path.extension().string());
+  constexpr std::array kKnown{".las", ".laz", ".ply", ".pcd", ".xyz", ".txt", ".asc", ".csv"};
+  if (std::find(kKnown.begin(), kKnown.end(), extension) == kKnown.end())
+    throw IoError(path.string() +
+                  ": clouds are written as .las, .laz, .ply, .pcd, .xyz, .txt, .asc or .csv, not '" +
+                  extension + "'");
+  if (extension == ".laz" && !can_write_laz()) fail_without_laz_writer(path);
+}
+
+void write_point_cloud(const std::filesystem::path& path, const PointCloud& cloud,
+                       const WriteCloudOptions& options, Progress& progress) {
   cloud.validate();
+  check_cloud_format(path);
   if (cloud.empty()) throw InputError(path.string() + ": a point cloud without points is not written");
   const std::string extension = lower(path.extension().string());
   const auto write = [&](auto&& body) {
@@ -224,14 +270,18 @@ void write_point_cloud(const std::filesystem::path& path, const PointCloud& clou
     body(file.stream());
     file.commit();
   };
-  if (extension == ".las") return write([&](std::ostream& out) { write_las(out, cloud); });
-  if (extension == ".ply") return write([&](std::ostream& out) { write_ply(out, cloud); });
-  if (extension == ".pcd") return write([&](std::ostream& out) { write_pcd(out, cloud); });
-  if (extension == ".csv") return write([&](std::ostream& out) { write_text(out, cloud, ','); });
-  if (extension == ".xyz" || extension == ".txt" || extension == ".asc")
-    return write([&](std::ostream& out) { write_text(out, cloud, ' '); });
-  throw IoError(path.string() + ": clouds are written as .las, .ply, .pcd, .xyz, .txt, .asc or .csv, not '" +
-                extension + "'");
+  if (extension == ".las")
+    return write([&](std::ostream& out) { write_las(out, cloud, options.frame, progress); });
+  if (extension == ".laz") {
+    AtomicFile plain(path.string() + ".las");  // never committed: gone when the compressed file stands
+    write_las(plain.stream(), cloud, options.frame, progress);
+    plain.stream().flush();
+    return copy_las(plain.temporary_path(), path, Vec3::Zero(), progress);
+  }
+  if (extension == ".ply") return write([&](std::ostream& out) { write_ply(out, cloud, progress); });
+  if (extension == ".pcd") return write([&](std::ostream& out) { write_pcd(out, cloud, progress); });
+  if (extension == ".csv") return write([&](std::ostream& out) { write_text(out, cloud, ',', progress); });
+  write([&](std::ostream& out) { write_text(out, cloud, ' ', progress); });
 }
 
 }  // namespace dendrofit

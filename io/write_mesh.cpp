@@ -15,26 +15,31 @@ namespace {
 
 constexpr int kDecimals = 6;  // of coordinates in text: micrometres
 
+constexpr const char* kObjHead = "# dendrofit, metres, z up\n";
+
+void append_vertex(std::string& text, const Vec3& world) {
+  text += 'v';
+  for (int k = 0; k < 3; ++k) {
+    text += ' ';
+    append_fixed(text, world[k], kDecimals);
+  }
+  text += '\n';
+}
+
+void append_face(std::string& text, const std::array<std::uint32_t, 3>& triangle) {
+  text += 'f';
+  for (const std::uint32_t v : triangle) {
+    text += ' ';
+    append_number(text, std::int64_t{v} + 1);
+  }
+  text += '\n';
+}
+
 void write_obj(const std::filesystem::path& path, const TriangleMesh& mesh) {
-  std::string text = "# dendrofit, metres, z up\n";
+  std::string text = kObjHead;
   text.reserve(mesh.vertices.size() * 40 + mesh.triangles.size() * 24);
-  for (const Vec3& v : mesh.vertices) {
-    const Vec3 world = v + mesh.origin_shift;
-    text += 'v';
-    for (int k = 0; k < 3; ++k) {
-      text += ' ';
-      append_fixed(text, world[k], kDecimals);
-    }
-    text += '\n';
-  }
-  for (const auto& t : mesh.triangles) {
-    text += 'f';
-    for (const std::uint32_t v : t) {
-      text += ' ';
-      append_number(text, std::int64_t{v} + 1);
-    }
-    text += '\n';
-  }
+  for (const Vec3& v : mesh.vertices) append_vertex(text, v + mesh.origin_shift);
+  for (const auto& t : mesh.triangles) append_face(text, t);
   write_file(path, text);
 }
 
@@ -68,6 +73,14 @@ void check_foliage(const Foliage& foliage) {
         !(leaf.length_m > 0))
       throw InputError(where + "place, direction or length is not a finite positive number");
   }
+}
+
+TriangleMesh petioles(const Foliage& foliage) {
+  check_foliage(foliage);
+  TriangleMesh mesh;
+  mesh.origin_shift = foliage.origin_shift;
+  for (std::size_t i = 0; i < foliage.size(); ++i) foliage.append_petiole(i, mesh);
+  return mesh;
 }
 
 TriangleMesh blades(const Foliage& foliage) {
@@ -116,6 +129,29 @@ void write_foliage_obj(const std::filesystem::path& path, const Foliage& foliage
 
 void write_foliage_ply(const std::filesystem::path& path, const Foliage& foliage) {
   write_ply(path, blades(foliage));
+}
+
+void write_petioles_obj(const std::filesystem::path& path, const Foliage& foliage) {
+  check_foliage(foliage);
+  std::string text = kObjHead;
+  text.reserve(foliage.size() * 220);
+  std::uint32_t first = 0;
+  for (std::size_t i = 0; i < foliage.size(); ++i) {
+    std::array<Vec3, 4> corners;
+    if (!petiole_corners(foliage.leaves[i], foliage.shapes[foliage.leaves[i].shape], corners)) continue;
+    text += "g leaf_";
+    append_number(text, static_cast<std::int64_t>(i) + 1);
+    text += '\n';
+    for (const Vec3& corner : corners) append_vertex(text, corner + foliage.origin_shift);
+    append_face(text, {first, first + 1, first + 2});
+    append_face(text, {first, first + 2, first + 3});
+    first += 4;
+  }
+  write_file(path, text);
+}
+
+void write_petioles_ply(const std::filesystem::path& path, const Foliage& foliage) {
+  write_ply(path, petioles(foliage));
 }
 
 void write_foliage_glb(const std::filesystem::path& path, const Foliage& foliage) {

@@ -22,8 +22,12 @@ void write_tree_glb(const std::filesystem::path& path, const Tree& tree, const T
 /// Leaves in the order of `foliage.leaves`, each with its shape's triangles; coordinates to the micrometre.
 void write_foliage_obj(const std::filesystem::path& path, const Foliage& foliage);
 void write_foliage_ply(const std::filesystem::path& path, const Foliage& foliage);
+/// Their stalks, two triangles each, in the order of the leaves; in the OBJ each after a line `g leaf_ID`
+/// (ids as in leaves.csv). A leaf that sits on the wood has none.
+void write_petioles_obj(const std::filesystem::path& path, const Foliage& foliage);
+void write_petioles_ply(const std::filesystem::path& path, const Foliage& foliage);
 /// One mesh a leaf shape, drawn per leaf through EXT_mesh_gpu_instancing: a tenth of the size of the
-/// triangles.
+/// triangles. Petioles likewise; added shoots (Foliage::twigs) are a mesh.
 void write_foliage_glb(const std::filesystem::path& path, const Foliage& foliage);
 
 /// Wood (mesh) and leaves (instances) in one scene; `foliage` may have no leaves.

@@ -10,6 +10,7 @@
 #include "recon/mend.h"
 #include "recon/preprocess.h"
 #include "recon/radii.h"
+#include "recon/scan_intervals.h"
 #include "recon/sections.h"
 #include "recon/skeleton.h"
 
@@ -41,6 +42,20 @@ class StageClock {
   std::clock_t cpu_ = 0;
 };
 
+/// Keeps the raw points `leaves` of the cloud as they are, counts them by height, and says so.
+void set_leaves_aside(const PointCloud& cloud, const std::vector<std::uint32_t>& leaves, std::size_t reached,
+                      Reconstruction& result) {
+  std::vector<char> keep(cloud.size(), 0);
+  for (const std::uint32_t i : leaves) keep[i] = 1;
+  result.leaf_points = cloud.subset(keep);
+  result.leaf_profile =
+      leaf_layers(result.leaf_points.points, result.foot.z() - result.leaf_points.origin_shift.z());
+  result.wood_share = 1 - static_cast<double>(leaves.size()) / static_cast<double>(reached);
+  result.warnings.push_back(
+      "the tree bears leaves: " + std::to_string(std::lround(100 * (1 - result.wood_share))) +
+      " % of its points were set aside; twigs hidden in the foliage are missing");
+}
+
 }  // namespace
 
 void ReconstructOptions::validate() const {
@@ -69,14 +84,14 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   result.ground_points = remove_ground(scan, ground);
   clock.mark("ground");
 
-  const PointGraph graph = neighbor_graph(scan.points, graph_options, progress);
+  PointGraph graph = neighbor_graph(scan.points, graph_options, progress);
   result.spacing_m = graph.typical_spacing_m;
   clock.mark("neighbours");
 
   std::vector<char> open(scan.points.size(), 1);
   const std::vector<double> height = heights_above_foot(scan.points, connected_parts(graph, open), ground);
   const std::vector<Foot> feet = find_feet(scan.points, graph, height, ground);
-  const std::vector<Foot> tree_feet(feet.begin(), feet.begin() + 1);
+  std::vector<Foot> tree_feet(feet.begin(), feet.begin() + 1);
   result.foot = scan.origin_shift + feet.front().position;
   result.ground_points += close_low_vegetation(scan.points, graph, height, ground, tree_feet, open);
   clock.mark("foot");
@@ -88,6 +103,21 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   Paths paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);
   clock.mark("paths");
 
+  const WoodLeaf verdict = separate_leaves(scan.points, graph, paths, {}, progress);
+  result.leaf_on = verdict.leaves_present;
+  result.leafy_share = verdict.leafy_share;
+  result.straight_share = verdict.straight_share;
+  std::size_t unreached = 0;
+  if (result.leaf_on) {
+    unreached = scan.points.size() - paths.order.size();
+    set_leaves_aside(cloud, take_out_leaves(scan, paths, verdict, tree_feet), paths.order.size(), result);
+    graph = neighbor_graph(scan.points, graph_options, progress);
+    open.assign(scan.points.size(), 1);
+    bridges = bridge_gaps(scan.points, graph, connected_parts(graph, open), graph_options, progress);
+    paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);
+  }
+  clock.mark("wood and leaves");
+
   std::vector<Section> sections = cut_sections(scan.points, graph, paths, tree_feet, progress);
   clock.mark("sections");
 
@@ -98,8 +128,8 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
     paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);
     sections = cut_sections(scan.points, graph, paths, tree_feet, progress);
   }
-  result.tree_points = paths.order.size();
-  result.stray_points = scan.points.size() - paths.order.size();
+  result.tree_points = paths.order.size() + result.leaf_points.size();
+  result.stray_points = unreached + scan.points.size() - paths.order.size();
   clock.mark("mending");
 
   std::vector<Limb> limbs = make_limbs(scan.points, sections, graph.typical_spacing_m,
@@ -127,6 +157,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   if (result.tree.empty()) throw SolverError("no wood could be followed from the stem's foot upwards");
   result.metrics = measure(result.tree, MetricsOptions{.dbh_height_m = options.dbh_height_m});
   result.metrics.wood_share = result.wood_share;
+  std::optional<SliceDiameter> breast_height;
   if (result.metrics.dbh_m) {
     const double breast = tree_feet.front().position.z() + options.dbh_height_m;
     const std::optional<SliceDiameter> slice = slice_diameter(scan.points, limbs, breast, result.noise_m);
@@ -137,10 +168,10 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
                                 " % of the girth");
     if (!slice)
       result.warnings.push_back("no clear circle at breast height: the diameter there is interpolated");
-    estimate_intervals(result.tree, slice, result.noise_m, graph.typical_spacing_m, result.metrics);
-  } else {
-    estimate_intervals(result.tree, std::nullopt, result.noise_m, graph.typical_spacing_m, result.metrics);
+    breast_height = slice;
   }
+  estimate_scan_intervals(result.tree, breast_height, how_well_seen(limbs, result.leaf_on), result.noise_m,
+                          graph.typical_spacing_m, result.metrics);
   for (const Section& s : sections) result.bridged_gaps += s.after_gap;
   clock.mark("tree");
   return result;

@@ -6,6 +6,7 @@
 #include "core/point_cloud.h"
 #include "core/progress.h"
 #include "core/tree.h"
+#include "recon/wood_leaf.h"
 
 #include <cstdint>
 #include <optional>
@@ -36,15 +37,19 @@ struct StageTime {
 struct Reconstruction {
   Tree tree;  ///< connected; its origin shift is the cloud's, moved to the scan's corner
   TreeMetrics metrics;
-  PointCloud leaf_points;             ///< taken for foliage
-  std::vector<std::string> warnings;  ///< what a forester should know about this result
+  PointCloud leaf_points;               ///< taken for foliage; empty on a leaf-off scan
+  std::vector<LeafLayer> leaf_profile;  ///< their number by height
+  std::vector<std::string> warnings;    ///< what a forester should know about this result
   std::vector<StageTime> stages;
 
   Vec3 foot = Vec3::Zero();  ///< world position of the first stem's foot
   bool ground_found = false;
-  double wood_share = 1;  ///< of the points that belong to the tree
-  double noise_m = 0;     ///< spread of points about the wood, one standard deviation
-  double spacing_m = 0;   ///< usual distance of a point's fourth neighbour
+  bool leaf_on = false;       ///< the verdict on the scan, see separate_leaves()
+  double leafy_share = 0;     ///< what it rests on: share of points in leaf-like places,
+  double straight_share = 1;  ///< and share of straight ones among the paths that bear something
+  double wood_share = 1;      ///< of the points that belong to the tree
+  double noise_m = 0;         ///< spread of points about the wood, one standard deviation
+  double spacing_m = 0;       ///< usual distance of a point's fourth neighbour
   std::size_t raw_points = 0;
   std::size_t clean_points = 0;   ///< after merging near duplicates
   std::size_t ground_points = 0;  ///< ground and low vegetation

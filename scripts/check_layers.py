@@ -24,7 +24,8 @@ ALLOWED = {
 HOMES = {
     "nanoflann": ["core/neighbors.cpp"],
     "pcl/": ["io/read_", "recon/preprocess.cpp"],
-    "opencv2": ["io/read_image.cpp", "recon/image_"],
+    "opencv2": ["recon/image_"],
+    "jpeglib.h": ["io/read_jpeg.cpp"],
     "CGAL/": ["core/convex_hull.cpp", "forward/leaves/"],
     "ceres/": ["fit/", "recon/cylinder_fit.cpp", "recon/image_"],
     "CLI/": ["cli/"],

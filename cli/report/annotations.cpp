@@ -15,8 +15,10 @@ constexpr Rgb kInk = {48, 52, 58};
 constexpr Rgb kQuietInk = {104, 110, 118};
 constexpr Rgb kGroundInk = {120, 106, 90};
 
-std::vector<std::pair<Rgb, std::string>> legend_of(const Panel& panel) {
-  std::vector<std::pair<Rgb, std::string>> rows;
+using Legend = std::vector<std::pair<Rgb, std::string>>;
+
+Legend legend_of(const Panel& panel) {
+  Legend rows;
   if (!panel.tree || panel.tree->empty()) return rows;
   if (panel.tree_colour == TreeColour::order) {
     const int highest = *std::max_element(panel.tree->order.begin(), panel.tree->order.end());
@@ -46,6 +48,43 @@ void veil(Image& image, int from_y, int to_y, Rgb colour) {
     for (int x = 0; x < image.width; ++x) image.blend(x, y, colour, 0.85);
 }
 
+/// Entries in lines no wider than `room`, as many on each as go.
+std::vector<Legend> lines_of(const Legend& legend, double room, double size) {
+  std::vector<Legend> lines(1);
+  double width = 0;
+  for (const auto& entry : legend) {
+    const double own = 1.9 * size + text_width(entry.second, 0.75 * size);
+    if (width > 0 && width + own > room) {
+      lines.emplace_back();
+      width = 0;
+    }
+    width += own;
+    lines.back().push_back(entry);
+  }
+  return lines;
+}
+
+/// Centred at `middle`, its last line on `base`. There is room for two lines; on a narrow picture the words
+/// shrink until they go into them.
+void draw_legend(Image& image, const Legend& legend, double middle, double base, double room, double size) {
+  std::vector<Legend> lines = lines_of(legend, room, size);
+  while (size > 5 && lines.size() > 2) lines = lines_of(legend, room, size *= 0.95);
+  double y =
+      base - 1.15 * size * (static_cast<double>(lines.size()) - 1) + (lines.size() > 1 ? 0.4 * size : 0);
+  for (const Legend& line : lines) {
+    double width = -0.6 * size;
+    for (const auto& entry : line) width += 1.9 * size + text_width(entry.second, 0.75 * size);
+    double x = middle - 0.5 * width;
+    for (const auto& [colour, label] : line) {
+      fill_box(image, static_cast<int>(x), static_cast<int>(y - 0.75 * size),
+               static_cast<int>(x + 0.8 * size), static_cast<int>(y), colour);
+      draw_text(image, x + 1.1 * size, y, label, 0.75 * size, kInk);
+      x += 1.9 * size + text_width(label, 0.75 * size);
+    }
+    y += 1.15 * size;
+  }
+}
+
 double text_size(const RenderOptions& options) {
   return std::clamp(options.height_px / 48.0, 8.0, 24.0);
 }
@@ -59,7 +98,7 @@ Margins margins_of(const RenderOptions& options) {
           static_cast<int>(1.6 * size)};
 }
 
-void annotate_panel(const Panel& panel, const RenderOptions& options, const View& view, bool blank,
+void annotate_panel(const Panel& panel, const RenderOptions& options, const PictureView& view, bool blank,
                     Image& image) {
   const double size = text_size(options);
   const double middle = 0.5 * image.width;
@@ -82,20 +121,10 @@ void annotate_panel(const Panel& panel, const RenderOptions& options, const View
     draw_text(image, middle, 0.5 * image.height, fit_text("nothing to show", size, room), size, kQuietInk,
               TextAnchor::middle);
   if (!options.legend) return;
-  const auto rows = legend_of(panel);
-  double width = 0;
-  for (const auto& row : rows) width += 1.9 * size + text_width(row.second, 0.75 * size);
-  double x = middle - 0.5 * width;
-  const double y = image.height - 3.5 * size;
-  for (const auto& [colour, label] : rows) {
-    fill_box(image, static_cast<int>(x), static_cast<int>(y - 0.75 * size), static_cast<int>(x + 0.8 * size),
-             static_cast<int>(y), colour);
-    draw_text(image, x + 1.1 * size, y, label, 0.75 * size, kInk);
-    x += 1.9 * size + text_width(label, 0.75 * size);
-  }
+  draw_legend(image, legend_of(panel), middle, image.height - 3.5 * size, room, size);
 }
 
-void annotate_row(const RenderOptions& options, const View& view, Image& image) {
+void annotate_row(const RenderOptions& options, const PictureView& view, Image& image) {
   const double size = text_size(options);
   if (options.scale_bar) {
     const double length = round_length(0.5 * 2 * view.centre_x / view.scale);

@@ -17,10 +17,10 @@ struct Margins {
 Margins margins_of(const RenderOptions& options);
 
 /// Title, subtitle, legend and ground line of one panel; "nothing to show" on a blank one.
-void annotate_panel(const Panel& panel, const RenderOptions& options, const View& view, bool blank,
+void annotate_panel(const Panel& panel, const RenderOptions& options, const PictureView& view, bool blank,
                     Image& image);
 /// Scale bar and heights, once for the row.
-void annotate_row(const RenderOptions& options, const View& view, Image& image);
+void annotate_row(const RenderOptions& options, const PictureView& view, Image& image);
 
 /// 1234567 -> "1,234,567".
 std::string with_thousands(std::size_t number);

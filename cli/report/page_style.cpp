@@ -44,8 +44,8 @@ thead th { color: var(--quiet); font-weight: 600; border-bottom: 2px solid var(-
 tbody th { font-weight: 500; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
 td .quiet { white-space: nowrap; font-size: .86rem; }
-.flag { color: var(--warn); font-weight: 600; }
-.picture img { width: 100%; height: auto; display: block; border: 1px solid var(--line); border-radius: 8px; background: var(--paper); }
+.flag { color: var(--warn); font-weight: 600; white-space: nowrap; }
+.picture img { width: auto; max-width: 100%; height: auto; max-height: 960px; margin: 0 auto; display: block; border: 1px solid var(--line); border-radius: 8px; background: var(--paper); }
 code { font: .88em ui-monospace, "DejaVu Sans Mono", Consolas, monospace; overflow-wrap: anywhere; }
 tbody th code { overflow-wrap: normal; }
 @media (min-width: 641px) { td.n { white-space: nowrap; } }
@@ -71,7 +71,7 @@ footer { color: var(--quiet); font-size: .86rem; padding-top: 26px; padding-bott
   #viewer .stage { height: 46vh; }
   #viewer .bar { gap: 4px 14px; padding: 8px 10px; }
   .picture { overflow-x: auto; }
-  .picture img { width: 900px; max-width: none; }
+  .picture img { width: 900px; max-width: none; max-height: none; }
   table.cards thead { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
   table.cards tr { display: block; border-bottom: 1px solid var(--line); padding: 6px 0; }
   table.cards th, table.cards td { display: flex; justify-content: space-between; gap: 14px; border: 0; padding: 2px 10px; text-align: right; }

@@ -19,7 +19,7 @@ constexpr PlotStyle kLeafStyle = {{0, 120, 80}, false, false};
 std::string growth(const ReportCurve& curve, std::size_t index) {
   const std::string unit = curve.value_unit.empty() ? "" : " (" + curve.value_unit + ")";
   SvgPlot plot("Growth: " + curve.name, curve.time_unit, curve.name + unit);
-  plot.band(curve.time, curve.lo, curve.hi, kRegrownStyle, "95 % band");
+  plot.band(curve.time, curve.lo, curve.hi, kRegrownStyle, curve.band);
   plot.line(curve.time, curve.value, {kRegrownStyle.colour, false, false}, "regrown tree");
   std::vector<double> x;
   std::vector<double> y;
@@ -251,7 +251,7 @@ std::string parameter_plot(const std::vector<ReportParameter>& parameters) {
   if (body.empty()) return "";
   return "<figure class=\"plot\" id=\"plot-parameters\"><figcaption>Fitted parameters within their "
          "bounds</figcaption><div class=\"legend\"><span>grey bar: bounds before the fit</span><span>line: "
-         "95 % interval (dashed: not identifiable)</span><span>ring: value</span></div><svg viewBox=\"0 0 "
+         "90 % interval (dashed: not identifiable)</span><span>ring: value</span></div><svg viewBox=\"0 0 "
          "440 " +
          fixed(y + 8, 0) + "\" role=\"img\" aria-label=\"Fitted parameters within their bounds\">" + body +
          "</svg></figure>\n";

@@ -84,7 +84,7 @@ void draw_point(const Vector3f& p, float radius_px, std::uint32_t id, Buffer& bu
     }
 }
 
-void draw_all(const Scene& scene, const View& view, float point_size_m, bool ground, Buffer& buffer) {
+void draw_all(const Scene& scene, const PictureView& view, float point_size_m, bool ground, Buffer& buffer) {
   std::vector<Vector3f> pixels(scene.vertices.size());
   std::vector<char> seen(scene.vertices.size());
   for (std::size_t i = 0; i < pixels.size(); ++i) seen[i] = view.project(scene.vertices[i], pixels[i]);
@@ -105,7 +105,7 @@ void draw_all(const Scene& scene, const View& view, float point_size_m, bool gro
 
 /// How much of the light from one direction reaches a place.
 struct ShadowMap {
-  View view;
+  PictureView view;
   Buffer buffer{1, 1, false};
   float bias_m = 0;
 
@@ -198,7 +198,7 @@ float nearer_neighbours(const Buffer& buffer, int x, int y, int reach, float met
 
 }  // namespace
 
-bool View::project(const Vector3f& world, Vector3f& pixel) const {
+bool PictureView::project(const Vector3f& world, Vector3f& pixel) const {
   const Vector3f d = world - centre;
   const float depth = forward.dot(d) + distance;
   if (perspective && depth < 0.02f * distance) return false;
@@ -207,24 +207,24 @@ bool View::project(const Vector3f& world, Vector3f& pixel) const {
   return true;
 }
 
-Vector3f View::unproject(float x, float y, float depth) const {
+Vector3f PictureView::unproject(float x, float y, float depth) const {
   const float s = perspective ? scale * distance / depth : scale;
   return centre + (x - centre_x) / s * right - (y - centre_y) / s * up + (depth - distance) * forward;
 }
 
-View view_along(double azimuth_deg, double elevation_deg) {
+PictureView view_along(double azimuth_deg, double elevation_deg) {
   const double a = azimuth_deg * std::numbers::pi / 180;
   const double e = elevation_deg * std::numbers::pi / 180;
-  View view;
+  PictureView view;
   view.right = Vec3(std::cos(a), std::sin(a), 0).cast<float>();
   view.forward = Vec3(-std::sin(a) * std::cos(e), std::cos(a) * std::cos(e), -std::sin(e)).cast<float>();
   view.up = view.right.cross(view.forward);
   return view;
 }
 
-Image draw_scene(const Scene& scene, const View& view, int width_px, int height_px, int samples,
+Image draw_scene(const Scene& scene, const PictureView& view, int width_px, int height_px, int samples,
                  const Shading& shading) {
-  View fine = view;
+  PictureView fine = view;
   const auto factor = static_cast<float>(samples);
   fine.scale *= factor;
   fine.centre_x *= factor;

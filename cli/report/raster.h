@@ -12,7 +12,7 @@ namespace dendrofit {
 
 /// World to pixels. Depth is metres along `forward` from the eye's plane (which lies `distance` before
 /// `centre`).
-struct View {
+struct PictureView {
   Eigen::Vector3f right = Eigen::Vector3f::UnitX();
   Eigen::Vector3f up = Eigen::Vector3f::UnitZ();
   Eigen::Vector3f forward = Eigen::Vector3f::UnitY();
@@ -28,8 +28,8 @@ struct View {
   Eigen::Vector3f unproject(float x, float y, float depth) const;
 };
 
-/// azimuth and elevation as in Camera.
-View view_along(double azimuth_deg, double elevation_deg);
+/// azimuth and elevation as in PictureCamera.
+PictureView view_along(double azimuth_deg, double elevation_deg);
 
 struct Shading {
   bool shadows = true;
@@ -38,7 +38,7 @@ struct Shading {
 };
 
 /// The scene as seen, `samples` x `samples` samples a pixel.
-Image draw_scene(const Scene& scene, const View& view, int width_px, int height_px, int samples,
+Image draw_scene(const Scene& scene, const PictureView& view, int width_px, int height_px, int samples,
                  const Shading& shading);
 
 }  // namespace dendrofit

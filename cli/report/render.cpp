@@ -54,7 +54,7 @@ struct Extent {
   Eigen::Vector2f hi = Eigen::Vector2f::Constant(-1e30f);
   float reach = 0;  // greatest depth away from the anchor, either way
   bool empty() const { return lo.x() > hi.x(); }
-  void add(const View& axes, const Vec3& place) {
+  void add(const PictureView& axes, const Vec3& place) {
     const Eigen::Vector3f p = place.cast<float>();
     const Eigen::Vector2f flat(axes.right.dot(p), axes.up.dot(p));
     lo = lo.cwiseMin(flat);
@@ -68,7 +68,7 @@ struct Extent {
   }
 };
 
-Extent extent_of(const Panel& panel, const View& axes, const Vec3& anchor) {
+Extent extent_of(const Panel& panel, const PictureView& axes, const Vec3& anchor) {
   Extent extent;
   if (panel.tree)
     for (std::size_t i = 0; i < panel.tree->size(); ++i) {
@@ -106,7 +106,7 @@ double splat_size(const PointCloud& cloud, const Extent& extent) {
 
 }  // namespace
 
-void Camera::validate() const {
+void PictureCamera::validate() const {
   require(std::isfinite(azimuth_deg), "azimuth_deg", azimuth_deg, "must be finite");
   require(elevation_deg >= -89.9 && elevation_deg <= 90, "elevation_deg", elevation_deg,
           "must be -89.9 to 90");
@@ -134,7 +134,7 @@ Image render(std::span<const Panel> panels, const RenderOptions& options, Progre
   if (panels.empty())
     throw InputError("render: no panel; at least one of scan, model, regrown tree or leaves is needed");
   progress.check();
-  const View axes = view_along(options.camera.azimuth_deg, options.camera.elevation_deg);
+  const PictureView axes = view_along(options.camera.azimuth_deg, options.camera.elevation_deg);
   std::vector<Vec3> anchors;
   std::vector<Extent> extents;
   Extent all;
@@ -159,7 +159,7 @@ Image render(std::span<const Panel> panels, const RenderOptions& options, Progre
   const Eigen::Vector2f size = (all.hi - all.lo).cwiseMax(0.02f);
   const float room_x = static_cast<float>(options.panel_width_px - 2 * margins.side);
   const float room_y = static_cast<float>(options.height_px - margins.top - margins.bottom);
-  View view = axes;
+  PictureView view = axes;
   view.scale = std::min(room_x / size.x(), room_y / size.y());
   // A broad tree needs less height than there is.
   const int height =

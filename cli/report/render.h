@@ -19,7 +19,7 @@ namespace dendrofit {
 
 /// Where the eye stands. Azimuth 0 looks north (+y) from the south, 90 looks west from the east; elevation 0
 /// is level, 90 looks straight down.
-struct Camera {
+struct PictureCamera {
   double azimuth_deg = 0;
   double elevation_deg = 0;
   /// Without it the picture is orthographic: true lengths across the line of sight.
@@ -47,7 +47,7 @@ struct Panel {
 struct RenderOptions {
   int panel_width_px = 560;  ///< at most; panels are narrower where the tree is slender
   int height_px = 900;       ///< at most; less where the tree is broad
-  Camera camera;
+  PictureCamera camera;
   bool ground = true;  ///< ground line (and plane, seen from above) at the anchor's height
   bool scale_bar = true;
   bool height_marks = true;  ///< dashes with metres at the left edge of the first panel, elevation 0 only

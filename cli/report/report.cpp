@@ -74,6 +74,14 @@ std::string picture(const ReportData& data) {
          base64(data.side_by_side_png) + "\"></figure>";
 }
 
+std::string overlay(const ReportData& data) {
+  if (data.overlay_png.empty()) return "";
+  return "<figure class=\"picture\"><img id=\"overlay\" alt=\"The model drawn over its photograph, coloured "
+         "by branch "
+         "order\" src=\"data:image/png;base64," +
+         base64(data.overlay_png) + "\"></figure>";
+}
+
 }  // namespace
 
 bool has_viewer() {
@@ -103,6 +111,7 @@ std::string make_report(const ReportData& data, const ReportOptions& options, Pr
   page += section("view", "The tree in three dimensions", view(data, options));
   progress.check();
   page += section("picture", "Side by side", picture(data));
+  page += section("overlay", "The model over its photograph", overlay(data));
   page += section("metrics", "Measures", metrics_table(data));
   const std::string plots = report_plots(data);
   page += section("plots", "Plots", plots.empty() ? "" : "<div class=\"plots\">" + plots + "</div>");

@@ -24,7 +24,7 @@ struct ReportParameter {
   std::string unit;
   std::string meaning;
   double value = 0;
-  std::optional<double> lo;  ///< 95 % interval of the fit
+  std::optional<double> lo;  ///< 90 % interval of the fit
   std::optional<double> hi;
   std::optional<double> prior_lo;  ///< bounds (or prior interval) before the fit
   std::optional<double> prior_hi;
@@ -43,7 +43,8 @@ struct ReportCurve {
   std::vector<double> lo;     ///< band about `value`
   std::vector<double> hi;
   std::vector<std::pair<double, double>>
-      measured;  ///< (time, value) points, e.g. the scan's height at its age
+      measured;                    ///< (time, value) points, e.g. the scan's height at its age
+  std::string band = "95 % band";  ///< what the band is
 };
 
 /// How far the regrown tree is from the scanned one, by descriptor; 0 = the same.
@@ -62,7 +63,7 @@ struct ReportStage {
 struct ReportProvenance {
   std::string program = "dendrofit";
   std::string version;
-  std::uint64_t seed = 1;
+  std::optional<std::uint64_t> seed;
   std::string command_line;
   std::string input_name;
   std::string input_checksum;  ///< with its kind: "sha256:..."
@@ -94,12 +95,13 @@ struct ReportData {
   std::vector<std::pair<std::string, std::string>> leaf_facts;  ///< e.g. ("Leaf area", "34.2 m2")
   std::vector<std::string> warnings;                            ///< plain words
   std::string side_by_side_png;  ///< bytes of the picture; empty: none in the report
+  std::string overlay_png;       ///< bytes of the model drawn over its photograph; empty: no photograph
   ReportProvenance provenance;
 };
 
 struct ReportOptions {
   int max_scan_points = 700'000;  ///< in the 3-D view
-  int max_leaves = 150'000;       ///< in the 3-D view
+  int max_leaves = 120'000;       ///< in the 3-D view
   void validate() const;
 };
 

@@ -93,9 +93,39 @@ std::string wood(const Tree& tree, Blob& blob) {
          ",\"continues\":" + blob.add("u8", continues) + "}";
 }
 
+constexpr std::size_t kMostShootCylinders = 60'000;
+
+/// Shoots as bare cylinders; of very many, every so many-th shoot with all its side twigs.
+std::string shoots(const Tree& twigs, const Vec3& foot, Blob& blob) {
+  const Vec3 shift = twigs.origin_shift - foot;
+  const std::size_t step = (twigs.size() + kMostShootCylinders - 1) / kMostShootCylinders;
+  std::vector<Vec3> ends;
+  std::vector<float> radius;
+  std::vector<std::size_t> root(twigs.size());  // which shoot a cylinder belongs to
+  std::size_t roots = 0;
+  for (std::size_t i = 0; i < twigs.size(); ++i) {
+    root[i] = twigs.parent[i] < 0 ? roots++ : root[static_cast<std::size_t>(twigs.parent[i])];
+    if (root[i] % step != 0) continue;
+    ends.push_back(twigs.start[i] + shift);
+    ends.push_back(twigs.end[i] + shift);
+    radius.push_back(static_cast<float>(twigs.radius[i]));
+  }
+  return "{\"ends\":" + quantised(ends, blob) + ",\"radius\":" + blob.add("f32", radius) + "}";
+}
+
+/// 0..n-1 in random order, so that any first part of what it orders is an even sample.
+std::vector<std::size_t> shuffled(std::size_t n) {
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  Random random(20240502);
+  for (std::size_t k = n; k > 1; --k) std::swap(order[k - 1], order[random.below(k)]);
+  return order;
+}
+
 std::string leaves(const Foliage& foliage, const Vec3& foot, std::size_t limit, Blob& blob,
                    std::size_t& shown) {
   std::vector<Vec3> origins;
+  std::vector<Vec3> feet;
   std::vector<std::int8_t> frame;
   std::vector<float> length;
   std::vector<std::uint8_t> shape;
@@ -103,9 +133,10 @@ std::string leaves(const Foliage& foliage, const Vec3& foot, std::size_t limit, 
   // Fewer leaves are drawn larger, so that the crown keeps its leaf area.
   const double larger =
       shown ? std::sqrt(static_cast<double>(foliage.size()) / static_cast<double>(shown)) : 1;
-  for (std::size_t k = 0; k < shown; ++k) {
+  for (const std::size_t k : shuffled(shown)) {
     const Leaf& leaf = foliage.leaves[k * foliage.size() / shown];
     origins.push_back(leaf.origin + foliage.origin_shift - foot);
+    feet.push_back(leaf.petiole_foot + foliage.origin_shift - foot);
     for (const Vec3& axis : {leaf.direction, leaf.normal})
       for (int c = 0; c < 3; ++c)
         frame.push_back(static_cast<std::int8_t>(std::lround(127 * std::clamp(axis[c], -1.0, 1.0))));
@@ -123,9 +154,9 @@ std::string leaves(const Foliage& foliage, const Vec3& foot, std::size_t limit, 
     shapes += (shapes.empty() ? "" : ",") + std::string("{\"vertices\":[") + vertices + "],\"triangles\":[" +
               triangles + "]}";
   }
-  return "{\"origins\":" + quantised(origins, blob) + ",\"frame\":" + blob.add("i8", frame) +
-         ",\"length\":" + blob.add("f32", length) + ",\"shape\":" + blob.add("u8", shape) + ",\"shapes\":[" +
-         shapes + "]}";
+  return "{\"origins\":" + quantised(origins, blob) + ",\"feet\":" + quantised(feet, blob) +
+         ",\"frame\":" + blob.add("i8", frame) + ",\"length\":" + blob.add("f32", length) +
+         ",\"shape\":" + blob.add("u8", shape) + ",\"shapes\":[" + shapes + "]}";
 }
 
 std::string scan(const PointCloud& cloud, const Vec3& foot, std::size_t limit, Blob& blob,
@@ -134,7 +165,7 @@ std::string scan(const PointCloud& cloud, const Vec3& foot, std::size_t limit, B
   std::vector<Vec3> points;
   points.reserve(shown);
   const Random random(20240501);
-  for (std::size_t k = 0; k < shown; ++k) {
+  for (const std::size_t k : shuffled(shown)) {
     // One point at random out of each of `shown` equal runs of the file.
     const std::size_t first = k * cloud.size() / shown;
     const std::size_t next = (k + 1) * cloud.size() / shown;
@@ -175,6 +206,8 @@ ScenePayload scene_payload(const ReportData& data, const ReportOptions& options)
     layers.push_back("\"leaves\":" + leaves(*data.foliage, leaf_foot,
                                             static_cast<std::size_t>(options.max_leaves), blob,
                                             payload.leaves_shown));
+    if (!data.foliage->twigs.empty())
+      layers.push_back("\"shoots\":" + shoots(data.foliage->twigs, leaf_foot, blob));
     layers.push_back(std::string("\"leaves_on\":\"") + (on_model ? "model" : "regrown") + "\"");
   }
   for (const std::string& layer : layers)

@@ -13,7 +13,8 @@ namespace dendrofit {
 ///
 /// Positions are unsigned 16-bit steps within a box; the frame's origin is the tree's foot (x east, y north,
 /// z up), for the regrown tree and its leaves their own foot. Cylinders of the regrown tree come in rising
-/// birth cycle, so that the growth slider shows a leading part of them.
+/// birth cycle, so that the growth slider shows a leading part of them. Points and leaves come in random
+/// order, so that the first part of them is an even sample.
 struct ScenePayload {
   std::string binary;
   std::string directory;

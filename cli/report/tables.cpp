@@ -131,7 +131,7 @@ std::string parameter_table(const ReportData& data) {
   if (data.parameters.empty()) return "";
   HtmlTable fitted{"table-parameters",
                    data.growth_model,
-                   {"Parameter", "Meaning", "Value", "95 % interval", "Bounds", "Note"},
+                   {"Parameter", "Meaning", "Value", "90 % interval", "Bounds", "Note"},
                    {0, 0, 1, 1, 1, 0},
                    {}};
   HtmlTable given{"table-given", "Given, not fitted", {"Parameter", "Meaning", "Value"}, {0, 0, 1}, {}};
@@ -193,7 +193,7 @@ std::string provenance_tables(const ReportData& data) {
   row("Command", p.command_line);
   row("Input", p.input_name);
   row("Input checksum", p.input_checksum);
-  row("Seed", std::to_string(p.seed));
+  if (p.seed) row("Seed", std::to_string(*p.seed));
   std::string out = made.html();
   if (!p.options.empty()) {
     HtmlTable options{"table-options", "Options", {"Option", "Value"}, {0, 0}, {}};

@@ -2,24 +2,35 @@
 #include "forward/environment/light_field.h"
 
 #include "core/errors.h"
+#include "forward/environment/vectorised.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <sstream>
 
 namespace dendrofit {
 namespace {
 
-constexpr std::int32_t kFar = std::numeric_limits<std::int32_t>::max() / 4;
+constexpr int kBrickBits = 5;
+constexpr int kBrick = 1 << kBrickBits;  // voxels a side
+constexpr std::size_t kBrickCells = std::size_t{kBrick} * kBrick;
 
 int half_width(int q) {
   return std::min(q, kPyramidLayers);
 }
 
-void add_rows(std::size_t n, const Fixed* __restrict row, Fixed* __restrict sum) {
-  for (std::size_t x = 0; x < n; ++x) sum[x] += row[x];
+// column += the rows of bricks that lie side by side; a missing brick is 0.
+DENDROFIT_VECTORISED
+void add_rows(std::size_t count, Fixed* const* bricks, std::int32_t first_row, std::int32_t last_row,
+              Fixed* __restrict column) {
+  for (std::size_t b = 0; b < count; ++b, column += kBrick) {
+    if (!bricks[b]) continue;
+    for (std::int32_t y = first_row; y <= last_row; ++y) {
+      const Fixed* __restrict row = bricks[b] + y * kBrick;
+      for (std::int32_t x = 0; x < kBrick; ++x) column[x] += row[x];
+    }
+  }
 }
 
 }  // namespace
@@ -33,107 +44,138 @@ ShadeProfile::ShadeProfile(double b) {
   }
 }
 
-double LightField::memory_gib() const {
-  double cells = 0;
-  for (const Layer& layer : layers_) cells += static_cast<double>(layer.difference.capacity());
-  return cells * sizeof(Fixed) / (1 << 30);
+void LightField::Rect::add(const Rect& r) {
+  x0 = std::min(x0, r.x0), y0 = std::min(y0, r.y0);
+  x1 = std::max(x1, r.x1), y1 = std::max(y1, r.y1);
 }
 
-void LightField::cover(std::size_t index, const Rect& rect) {
-  Layer& layer = layers_[index];
-  // One cell more on the far side, for the corners that close a square.
-  Rect wanted{rect.x0, rect.y0, rect.x1 + 1, rect.y1 + 1};
-  if (layer.nx > 0) {
-    const std::int32_t x1 = layer.x0 + layer.nx - 1, y1 = layer.y0 + layer.ny - 1;
-    layer.used_x0 = std::min(layer.used_x0, rect.x0);
-    layer.used_y0 = std::min(layer.used_y0, rect.y0);
-    if (wanted.x0 >= layer.x0 && wanted.y0 >= layer.y0 && wanted.x1 <= x1 && wanted.y1 <= y1) return;
-    // Crowns widen in every cycle: room for the next ones on the sides that grow.
-    const std::int32_t room = std::max(8, (layer.nx + layer.ny) / 6);
-    wanted = {wanted.x0 < layer.x0 ? wanted.x0 - room : layer.x0,
-              wanted.y0 < layer.y0 ? wanted.y0 - room : layer.y0, wanted.x1 > x1 ? wanted.x1 + room : x1,
-              wanted.y1 > y1 ? wanted.y1 + room : y1};
+void LightField::check_memory() const {
+  double bytes = static_cast<double>(arena_.taken_bytes());
+  std::int64_t nx = 0, ny = 0;
+  for (const Layer& layer : layers_) {
+    bytes += static_cast<double>(layer.reach.width()) * static_cast<double>(layer.reach.height()) *
+             (sizeof(Fixed*) / static_cast<double>(kBrickCells));
+    nx = std::max(nx, layer.reach.width());
+    ny = std::max(ny, layer.reach.height());
   }
-  const std::int64_t nx = std::int64_t{wanted.x1} - wanted.x0 + 1,
-                     ny = std::int64_t{wanted.y1} - wanted.y0 + 1;
-  const double gib =
-      memory_gib() + static_cast<double>(nx) * static_cast<double>(ny) * sizeof(Fixed) / (1 << 30);
-  if (gib > max_gib_) {
-    std::ostringstream message;
-    message << "light field: " << nx << " x " << ny << " voxels in a layer take more than " << max_gib_
-            << " GiB; grow trees that stand far apart in separate runs, or use longer internodes";
-    throw InputError(message.str());
+  if (bytes <= max_gib_ * (1 << 30)) return;
+  std::ostringstream message;
+  message << "light field: " << layers_.size() << " layers of up to " << nx << " x " << ny
+          << " voxels take more than " << max_gib_
+          << " GiB; grow trees that stand far apart in separate runs, or use longer internodes";
+  throw InputError(message.str());
+}
+
+Fixed* LightField::new_brick() {
+  auto* const brick = static_cast<Fixed*>(arena_.take(kBrickCells * sizeof(Fixed)));
+  if (arena_.taken_bytes() % (std::size_t{1} << 24) == 0) check_memory();
+  return brick;
+}
+
+void LightField::make_room(Layer& layer) {
+  if (layer.reach.empty()) return;
+  const Rect wanted{layer.reach.x0 >> kBrickBits, layer.reach.y0 >> kBrickBits, layer.reach.x1 >> kBrickBits,
+                    layer.reach.y1 >> kBrickBits};
+  if (layer.table.holds(wanted)) return;
+  std::vector<Fixed*> bricks(static_cast<std::size_t>(wanted.width() * wanted.height()), nullptr);
+  for (std::int64_t y = 0; y < layer.table.height(); ++y) {
+    const auto from = layer.bricks.begin() + y * layer.table.width();
+    std::copy(
+        from, from + layer.table.width(),
+        bricks.begin() + ((layer.table.y0 + y - wanted.y0) * wanted.width() + layer.table.x0 - wanted.x0));
   }
-  std::vector<Fixed> grown(static_cast<std::size_t>(nx * ny), 0);
-  for (std::int32_t y = 0; y < layer.ny; ++y) {
-    const auto from = layer.difference.begin() + static_cast<std::ptrdiff_t>(y) * layer.nx;
-    std::copy(from, from + layer.nx,
-              grown.begin() +
-                  static_cast<std::ptrdiff_t>((y + layer.y0 - wanted.y0) * nx + (layer.x0 - wanted.x0)));
-  }
-  if (layer.nx == 0) layer.used_x0 = rect.x0, layer.used_y0 = rect.y0;
-  layer.x0 = wanted.x0, layer.y0 = wanted.y0;
-  layer.nx = static_cast<std::int32_t>(nx), layer.ny = static_cast<std::int32_t>(ny);
-  layer.difference = std::move(grown);
+  layer.bricks = std::move(bricks);
+  layer.table = wanted;
 }
 
 void LightField::cast(std::span<const Voxel> nodes, const ShadeProfile& profile, int sign) {
-  std::int32_t lowest = kFar, highest = -1;
+  std::int32_t lowest = Rect::kNone, highest = -1;
   for (const Voxel& v : nodes) {
+    if (v.z < 0) continue;
     lowest = std::min(lowest, v.z);
     highest = std::max(highest, v.z);
   }
   if (highest < 0) return;
-  lowest = std::max(lowest, 0);
   if (layers_.size() <= static_cast<std::size_t>(highest))
     layers_.resize(static_cast<std::size_t>(highest) + 1);
 
-  // Where the nodes of each layer lie, and from that what each layer below must cover.
-  std::vector<Rect> nodes_at(static_cast<std::size_t>(highest - lowest) + 1, Rect{kFar, kFar, -kFar, -kFar});
+  // Nodes by layer, and where those of each layer lie; from that what each layer below must cover.
+  Shadows shadows{profile, sign, lowest, {}, {}};
+  const auto count = static_cast<std::size_t>(highest - lowest) + 1;
+  shadows.first.assign(count + 1, 0);
+  std::vector<Rect> nodes_at(count);
   for (const Voxel& v : nodes) {
     if (v.z < 0) continue;
-    Rect& rect = nodes_at[static_cast<std::size_t>(v.z - lowest)];
-    rect = {std::min(rect.x0, v.x), std::min(rect.y0, v.y), std::max(rect.x1, v.x), std::max(rect.y1, v.y)};
+    const auto z = static_cast<std::size_t>(v.z - lowest);
+    ++shadows.first[z + 1];
+    nodes_at[z].add({v.x, v.y, v.x, v.y});
   }
-  for (std::int32_t z = std::max(0, lowest - profile.layers() + 1); z <= highest; ++z) {
-    Rect need{kFar, kFar, -kFar, -kFar};
-    for (int q = std::max(0, lowest - z); q < profile.layers() && z + q <= highest; ++q) {
+  for (std::size_t z = 0; z < count; ++z) shadows.first[z + 1] += shadows.first[z];
+  shadows.nodes.resize(shadows.first.back());
+  std::vector<std::uint32_t> next(shadows.first.begin(), shadows.first.end() - 1);
+  for (const Voxel& v : nodes)
+    if (v.z >= 0) shadows.nodes[next[static_cast<std::size_t>(v.z - lowest)]++] = v;
+
+  for (std::int32_t z = std::max(0, lowest - shadows.reach()); z <= highest; ++z) {
+    Rect need;
+    for (int q = std::max(0, lowest - z); q <= shadows.reach() && z + q <= highest; ++q) {
       const Rect& rect = nodes_at[static_cast<std::size_t>(z + q - lowest)];
-      if (rect.x0 > rect.x1) continue;
       const int half = half_width(q);
-      need = {std::min(need.x0, rect.x0 - half), std::min(need.y0, rect.y0 - half),
-              std::max(need.x1, rect.x1 + half), std::max(need.y1, rect.y1 + half)};
+      if (!rect.empty()) need.add({rect.x0 - half, rect.y0 - half, rect.x1 + half, rect.y1 + half});
     }
-    if (need.x0 <= need.x1) cover(static_cast<std::size_t>(z), need);
+    // One voxel more on the far side, for the corners that close a square.
+    if (!need.empty())
+      layers_[static_cast<std::size_t>(z)].reach.add({need.x0, need.y0, need.x1 + 1, need.y1 + 1});
+  }
+  check_memory();
+  pending_.push_back(std::move(shadows));
+}
+
+// A layer to write on, in voxels from the corner of its table of bricks.
+struct LightField::Canvas {
+  LightField& field;
+  Fixed** const bricks;
+  const std::uint32_t width;  // bricks
+  const std::int32_t x0, y0;
+
+  Canvas(LightField& owner, Layer& layer)
+      : field(owner),
+        bricks(layer.bricks.data()),
+        width(static_cast<std::uint32_t>(layer.table.width())),
+        x0(layer.table.x0 * kBrick),
+        y0(layer.table.y0 * kBrick) {}
+
+  // The square from voxel (x, y) on, `side` voxels wide, as its four corners.
+  void add_square(std::int32_t x, std::int32_t y, std::uint32_t side, Fixed amount) const {
+    const auto left = static_cast<std::uint32_t>(x - x0), low = static_cast<std::uint32_t>(y - y0);
+    const std::uint32_t right = left + side, high = low + side;
+    add_pair(bricks + (low >> kBrickBits) * width, (low % kBrick) * kBrick, left, right, amount);
+    add_pair(bricks + (high >> kBrickBits) * width, (high % kBrick) * kBrick, left, right, -amount);
   }
 
-  // l = l_0 - b^-q (Yi 2018, 4.5), as the four corners of each layer's square; layer by layer, so that one
-  // layer at a time is written to.
-  std::vector<std::uint32_t> first(nodes_at.size() + 1, 0);
-  for (const Voxel& v : nodes)
-    if (v.z >= 0) ++first[static_cast<std::size_t>(v.z - lowest) + 1];
-  for (std::size_t z = 1; z < first.size(); ++z) first[z] += first[z - 1];
-  std::vector<Voxel> sorted(first.back());
-  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-  for (const Voxel& v : nodes)
-    if (v.z >= 0) sorted[next[static_cast<std::size_t>(v.z - lowest)]++] = v;
-  for (std::int32_t z = std::max(0, lowest - profile.layers() + 1); z <= highest; ++z) {
-    Layer& layer = layers_[static_cast<std::size_t>(z)];
-    Fixed* const data = layer.difference.data();
-    const std::int64_t stride = layer.nx;
-    for (int q = std::max(0, lowest - z); q < profile.layers() && z + q <= highest; ++q) {
-      const auto above = static_cast<std::size_t>(z + q - lowest);
-      const int half = half_width(q), width = 2 * half + 1;
-      const Fixed amount = sign * profile[q];
-      for (std::uint32_t i = first[above]; i < first[above + 1]; ++i) {
-        Fixed* low = data + ((sorted[i].y - half - layer.y0) * stride + (sorted[i].x - half - layer.x0));
-        Fixed* high = low + width * stride;
-        low[0] += amount;
-        low[width] -= amount;
-        high[0] -= amount;
-        high[width] += amount;
-      }
-    }
+ private:
+  void add_pair(Fixed** row, std::uint32_t line, std::uint32_t left, std::uint32_t right,
+                Fixed amount) const {
+    Fixed*& first = row[left >> kBrickBits];
+    if (!first) first = field.new_brick();
+    first[line + left % kBrick] += amount;
+    Fixed*& second = row[right >> kBrickBits];
+    if (!second) second = field.new_brick();
+    second[line + right % kBrick] -= amount;
+  }
+};
+
+// l = l_0 - b^-q (Yi 2018, 4.5) in one layer.
+void LightField::draw(const Shadows& shadows, std::int32_t z, Layer& layer) {
+  const Canvas canvas(*this, layer);
+  for (int q = std::max(0, shadows.lowest - z); q <= shadows.reach() && z + q <= shadows.highest(); ++q) {
+    const auto above = static_cast<std::size_t>(z + q - shadows.lowest);
+    const int half = half_width(q);
+    const auto side = static_cast<std::uint32_t>(2 * half + 1);
+    const Fixed amount = shadows.sign * shadows.profile[q];
+    const std::span nodes(shadows.nodes.data() + shadows.first[above],
+                          shadows.nodes.data() + shadows.first[above + 1]);
+    for (const Voxel& node : nodes) canvas.add_square(node.x - half, node.y - half, side, amount);
   }
 }
 
@@ -141,70 +183,93 @@ void LightField::darken(const Voxel& voxel, Fixed amount) {
   if (voxel.z < 0) return;
   const auto z = static_cast<std::size_t>(voxel.z);
   if (layers_.size() <= z) layers_.resize(z + 1);
-  cover(z, {voxel.x, voxel.y, voxel.x, voxel.y});
   Layer& layer = layers_[z];
-  Fixed* low = layer.difference.data() + std::int64_t{voxel.y - layer.y0} * layer.nx + (voxel.x - layer.x0);
-  low[0] += amount;
-  low[1] -= amount;
-  low[layer.nx] -= amount;
-  low[layer.nx + 1] += amount;
+  layer.reach.add({voxel.x, voxel.y, voxel.x + 1, voxel.y + 1});
+  check_memory();
+  make_room(layer);
+  Canvas(*this, layer).add_square(voxel.x, voxel.y, 1, amount);
 }
 
-void LightField::read(std::span<const Voxel> at, std::span<Fixed> shade) const {
-  // Queries by layer and row, by counting; then one integration of each layer that is asked for.
-  std::vector<std::size_t> first_row(layers_.size() + 1, 0);
-  for (std::size_t z = 0; z < layers_.size(); ++z)
-    first_row[z + 1] = first_row[z] + static_cast<std::size_t>(layers_[z].ny);
-  const auto row_of = [&](const Voxel& v) -> std::ptrdiff_t {
-    if (v.z < 0 || static_cast<std::size_t>(v.z) >= layers_.size()) return -1;
-    const Layer& layer = layers_[static_cast<std::size_t>(v.z)];
-    if (v.x < layer.x0 || v.y < layer.y0 || v.x >= layer.x0 + layer.nx || v.y >= layer.y0 + layer.ny)
-      return -1;
-    return static_cast<std::ptrdiff_t>(first_row[static_cast<std::size_t>(v.z)]) + (v.y - layer.y0);
+// Which voxels are asked for, by layer and row.
+struct LightField::Queries {
+  struct Rows {
+    std::int32_t y0 = Rect::kNone, y1 = -Rect::kNone, x1 = -Rect::kNone;
+    std::size_t first = 0;  // row y0's place in `start`
   };
-  std::vector<std::uint32_t> start(first_row.back() + 1, 0);
-  std::vector<std::int32_t> columns(layers_.size(), 0);  // up to the last one asked for
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    const std::ptrdiff_t row = row_of(at[i]);
-    if (row < 0) {
-      shade[i] = 0;
-      continue;
-    }
-    ++start[static_cast<std::size_t>(row) + 1];
-    const auto z = static_cast<std::size_t>(at[i].z);
-    columns[z] = std::max(columns[z], at[i].x - layers_[z].x0 + 1);
-  }
-  for (std::size_t row = 1; row < start.size(); ++row) start[row] += start[row - 1];
-  std::vector<std::uint32_t> query(start.back());
-  std::vector<std::uint32_t> next(start.begin(), start.end() - 1);
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    const std::ptrdiff_t row = row_of(at[i]);
-    if (row >= 0) query[next[static_cast<std::size_t>(row)]++] = static_cast<std::uint32_t>(i);
-  }
+  std::vector<Rows> layers;
+  std::vector<std::uint32_t> start, query;
 
-  std::vector<Fixed> column;  // sums of the rows so far
-  std::vector<Fixed> sum;     // and along x
-  for (std::size_t z = 0; z < layers_.size(); ++z) {
-    const Layer& layer = layers_[z];
-    std::uint32_t waiting = start[first_row[z + 1]] - start[first_row[z]];
-    if (waiting == 0) continue;
-    // Nothing lies before the used corner, and nothing after the last voxel asked for matters.
-    const std::int32_t skip = layer.used_x0 - layer.x0;
-    const auto nx = static_cast<std::size_t>(std::max(0, columns[z] - skip));
-    column.assign(nx, 0);
-    sum.resize(nx);
-    for (std::int32_t y = 0; waiting > 0; ++y) {
-      if (y >= layer.used_y0 - layer.y0)
-        add_rows(nx, layer.difference.data() + (std::int64_t{y} * layer.nx + skip), column.data());
-      const std::size_t r = first_row[z] + static_cast<std::size_t>(y);
-      if (start[r] == start[r + 1]) continue;
-      std::partial_sum(column.begin(), column.end(), sum.begin());
-      for (std::uint32_t j = start[r]; j < start[r + 1]; ++j)
-        shade[query[j]] = at[query[j]].x < layer.used_x0
-                              ? 0
-                              : sum[static_cast<std::size_t>(at[query[j]].x - layer.used_x0)];
-      waiting -= start[r + 1] - start[r];
+  Queries(std::span<const Voxel> at, std::size_t layer_count) : layers(layer_count) {
+    const auto outside = [&](const Voxel& v) {
+      return v.z < 0 || static_cast<std::size_t>(v.z) >= layer_count;
+    };
+    for (const Voxel& v : at) {
+      if (outside(v)) continue;
+      Rows& rows = layers[static_cast<std::size_t>(v.z)];
+      rows.y0 = std::min(rows.y0, v.y), rows.y1 = std::max(rows.y1, v.y), rows.x1 = std::max(rows.x1, v.x);
     }
+    std::size_t count = 0;
+    for (Rows& rows : layers) {
+      rows.first = count;
+      if (rows.y0 <= rows.y1) count += static_cast<std::size_t>(rows.y1 - rows.y0) + 1;
+    }
+    start.assign(count + 1, 0);
+    const auto row_of = [&](const Voxel& v) {
+      const Rows& rows = layers[static_cast<std::size_t>(v.z)];
+      return rows.first + static_cast<std::size_t>(v.y - rows.y0);
+    };
+    for (const Voxel& v : at)
+      if (!outside(v)) ++start[row_of(v) + 1];
+    for (std::size_t row = 0; row < count; ++row) start[row + 1] += start[row];
+    query.resize(start.back());
+    std::vector<std::uint32_t> next(start.begin(), start.end() - 1);
+    for (std::size_t i = 0; i < at.size(); ++i)
+      if (!outside(at[i])) query[next[row_of(at[i])]++] = static_cast<std::uint32_t>(i);
+  }
+};
+
+void LightField::read(std::span<const Voxel> at, std::span<Fixed> shade) {
+  std::fill(shade.begin(), shade.end(), 0);
+  const Queries queries(at, layers_.size());
+  for (std::size_t z = 0; z < layers_.size(); ++z) {
+    Layer& layer = layers_[z];
+    make_room(layer);
+    for (const Shadows& shadows : pending_) draw(shadows, static_cast<std::int32_t>(z), layer);
+    if (queries.layers[z].y0 <= queries.layers[z].y1) read_layer(layer, z, queries, at, shade);
+  }
+  pending_.clear();
+}
+
+// Integrates as much of a layer as is asked for: nothing lies before what was cast.
+void LightField::read_layer(const Layer& layer, std::size_t z, const Queries& queries,
+                            std::span<const Voxel> at, std::span<Fixed> shade) {
+  const Queries::Rows& rows = queries.layers[z];
+  const Rect& reach = layer.reach;
+  const std::int32_t last_x = std::min(rows.x1, reach.x1), last_y = std::min(rows.y1, reach.y1);
+  if (reach.empty() || last_x < reach.x0) return;
+  const std::int32_t x0 = layer.table.x0 << kBrickBits;  // of the column
+  const auto across = static_cast<std::size_t>((last_x >> kBrickBits) - layer.table.x0) + 1;
+  column_.assign(across * kBrick, 0);
+  sum_.resize(across * kBrick);
+  std::int32_t next = reach.y0;  // row not yet in the column
+  for (std::int32_t y = std::max(rows.y0, reach.y0); y <= last_y; ++y) {
+    const std::size_t r = rows.first + static_cast<std::size_t>(y - rows.y0);
+    const std::span asked(queries.query.data() + queries.start[r],
+                          queries.query.data() + queries.start[r + 1]);
+    if (asked.empty()) continue;
+    while (next <= y) {
+      const std::int32_t brick = next >> kBrickBits;
+      const std::int32_t last = std::min(y, (brick << kBrickBits) + kBrick - 1);
+      add_rows(across, layer.bricks.data() + (brick - layer.table.y0) * layer.table.width(),
+               next & (kBrick - 1), last & (kBrick - 1), column_.data());
+      next = last + 1;
+    }
+    std::int32_t furthest = x0 - 1;
+    for (const std::uint32_t i : asked)
+      if (at[i].x <= last_x) furthest = std::max(furthest, at[i].x);
+    std::partial_sum(column_.begin(), column_.begin() + (furthest + 1 - x0), sum_.begin());
+    for (const std::uint32_t i : asked)
+      if (at[i].x >= x0 && at[i].x <= last_x) shade[i] = sum_[static_cast<std::size_t>(at[i].x - x0)];
   }
 }
 

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <sstream>
 
 namespace dendrofit {
 namespace {
@@ -28,25 +29,30 @@ std::string tree_name(std::size_t i) {
   return "tree " + std::to_string(i + 1);
 }
 
-// The seedling's foot and its tip must be in the open.
-void check_root(const Vec3& root, const IgmParameters& p, const Solids& solids, const Obstacles& obstacles,
-                const VoxelFrame& frame, const std::string& name) {
+// What stands on a root must be in the open for so many internodes; of a mesh all but the first one, which
+// may stand in the voxels of a ground surface.
+void check_root(const Vec3& root, double rho_m, int internodes, const Solids& solids,
+                const Obstacles& obstacles, const VoxelFrame& frame, const std::string& name) {
   const auto refuse = [&](const std::string& body) {
-    throw InputError(name + " root (" + std::to_string(root.x()) + ", " + std::to_string(root.y()) + ", " +
-                     std::to_string(root.z()) + "): stands in " + body + "; move the root or the obstacle");
+    std::ostringstream message;
+    message << name << " root (" << root.x() << ", " << root.y() << ", " << root.z()
+            << "): " << (internodes > 0 ? "its seedling" : "it") << " stands in " << body
+            << "; move the root or the obstacle";
+    throw InputError(message.str());
   };
-  for (const double height : {0.0, 4 * p.rho_m}) {
-    const Vec3 at = root + Vec3(0, 0, height);
-    for (std::size_t i = 0; i < solids.boxes.size(); ++i)
-      if ((at.array() > solids.boxes[i].min.array()).all() &&
-          (at.array() < solids.boxes[i].max.array()).all())
-        refuse("box " + std::to_string(i + 1));
-    for (std::size_t i = 0; i < solids.half_spaces.size(); ++i)
+  const Vec3 tip = root + Vec3(0, 0, internodes * rho_m);
+  for (std::size_t i = 0; i < solids.boxes.size(); ++i) {
+    const SolidBox& box = solids.boxes[i];
+    if ((tip.array() > box.min.array()).all() && (root.array() < box.max.array()).all())
+      refuse("box " + std::to_string(i + 1));
+  }
+  for (std::size_t i = 0; i < solids.half_spaces.size(); ++i)
+    for (const Vec3& at : {root, tip})
       if ((at - solids.half_spaces[i].point).dot(solids.half_spaces[i].normal) < -1e-9)
         refuse("halfspace " + std::to_string(i + 1));
-  }
-  if (!solids.meshes.empty() && obstacles.solid(frame.at(root + Vec3(0, 0, 2 * p.rho_m))))
-    refuse("a mesh obstacle");
+  if (solids.meshes.empty()) return;
+  for (Voxel v = frame.at(root + Vec3(0, 0, rho_m)); v.z <= frame.at(tip).z; ++v.z)
+    if (obstacles.solid(v)) refuse("an obstacle");
 }
 
 // The state of the whole simulation between cycles.
@@ -129,10 +135,14 @@ Simulation begin(const IgmParameters& parameters, const IgmSite& site, const Igm
     const int tree = static_cast<int>(t);
     if (t == 0 && options.start) {
       sim.cycle = plant_tree(stand, tree, *options.start, start_shift, options.start_cycle);
+      for (const Plant& plant : stand.plants)
+        check_root(plant.root, stand.parameters[t].rho_m, 0, site.solids, sim.obstacles, stand.frame,
+                   tree_name(t));
       continue;
     }
     for (const Vec3& root : trees[t].roots) {
-      check_root(root, stand.parameters[t], site.solids, sim.obstacles, stand.frame, tree_name(t));
+      check_root(root, stand.parameters[t].rho_m, kSeedlingInternodes, site.solids, sim.obstacles,
+                 stand.frame, tree_name(t));
       plant_seedling(stand, tree, root, sim.cycle);
     }
   }

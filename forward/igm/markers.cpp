@@ -3,20 +3,12 @@
 
 #include "core/errors.h"
 #include "core/point_cloud.h"
+#include "forward/environment/vectorised.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
-
-// The two inner loops in the machine's own vector width; integers and separately rounded floats give the same
-// bits in each version.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    defined(__gnu_linux__)
-#define DENDROFIT_VECTORISED __attribute__((target_clones("avx512f", "avx2", "default"), optimize("O3")))
-#else
-#define DENDROFIT_VECTORISED
-#endif
+#include <cstring>
 
 namespace dendrofit::igm {
 namespace {
@@ -26,27 +18,61 @@ constexpr double kMostCells = 1 << 28;
 constexpr float kTakenPosition = 1e9F;
 constexpr std::int32_t kTakenVoxel = 1 << 28;
 
-// shade[i] += weight[q] where the marker lies in the node's shadow; weight[layers] is 0.
+constexpr double kRounding = 0.05;  // voxels; of positions in single precision
+// Inner loops go by whole blocks, past the end of a run where need be.
+constexpr std::uint32_t kBlock = 16;
+constexpr std::uint32_t kPair = 2;  // flags looked at in one step
+
+std::uint32_t whole_blocks(std::uint32_t n) {
+  return (n + kBlock - 1) & ~(kBlock - 1);
+}
+
+// shade[i] += weight[q] for each node in whose shadow a marker of the run lies; weight[layers] is 0.
 DENDROFIT_VECTORISED
-void shade_run(std::size_t n, const std::int32_t* __restrict vx, const std::int32_t* __restrict vy,
-               const std::int32_t* __restrict vz, Voxel node, const Fixed* __restrict weight,
-               std::int32_t layers, Fixed* __restrict shade) {
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::int32_t q = node.z - vz[i];
-    const std::int32_t away = std::max(std::abs(vx[i] - node.x), std::abs(vy[i] - node.y));
-    const std::int32_t half = std::min(q, kPyramidLayers);  // below 0 where q is
-    const std::int32_t in = -static_cast<std::int32_t>(away <= half) & -static_cast<std::int32_t>(q < layers);
-    shade[i] += weight[(q & in) | (layers & ~in)];
+void shade_run(std::uint32_t n, const std::int32_t* __restrict vx, const std::int32_t* __restrict vy,
+               const std::int32_t* __restrict vz, std::size_t node_count, const Voxel* __restrict nodes,
+               const Fixed* __restrict weight, std::int32_t layers, Fixed* __restrict shade) {
+  const auto last = static_cast<std::int32_t>(n), end = static_cast<std::int32_t>(whole_blocks(n));
+  for (std::size_t k = 0; k < node_count; ++k) {
+    const Voxel node = nodes[k];
+    for (std::int32_t i = 0; i < end; ++i) {
+      const std::int32_t q = node.z - vz[i];
+      const std::int32_t away = std::max(std::abs(vx[i] - node.x), std::abs(vy[i] - node.y));
+      const std::int32_t half = std::min(q, kPyramidLayers);  // below 0 where q is
+      const std::int32_t in = -static_cast<std::int32_t>(away <= half) &
+                              -static_cast<std::int32_t>(q < layers) & -static_cast<std::int32_t>(i < last);
+      shade[i] += weight[(q & in) | (layers & ~in)];
+    }
   }
 }
 
+// What a shoot's end sees, in voxels: markers within `near` are taken, those within `far` and the cone pull.
+struct View {
+  float x, y, z;     // the end
+  float hx, hy, hz;  // unit vector ahead
+  float near2, far2, cone2;
+};
+
+// keep[i]: whether a marker of the run is to be taken or pulls.
 DENDROFIT_VECTORISED
-void distance_run(std::size_t n, const float* __restrict x, const float* __restrict y,
-                  const float* __restrict z, float px, float py, float pz, float* __restrict d2) {
-  for (std::size_t i = 0; i < n; ++i) {
-    const float dx = x[i] - px, dy = y[i] - py, dz = z[i] - pz;
-    d2[i] = dx * dx + dy * dy + dz * dz;
+void select_run(std::uint32_t n, const float* __restrict x, const float* __restrict y,
+                const float* __restrict z, const View& v, std::int32_t* __restrict keep) {
+  const std::uint32_t end = whole_blocks(n);
+  for (std::uint32_t i = 0; i < end; ++i) {
+    const float dx = x[i] - v.x, dy = y[i] - v.y, dz = z[i] - v.z;
+    const float d2 = dx * dx + dy * dy + dz * dz;
+    const float along = dx * v.hx + dy * v.hy + dz * v.hz;
+    const int ahead = static_cast<int>(d2 <= v.far2) & static_cast<int>(along > 0) &
+                      static_cast<int>(along * along >= v.cone2 * d2);
+    keep[i] = static_cast<int>(d2 <= v.near2) | ahead;
   }
+}
+
+// How far a cone of cosine `cone` and length 1 about a unit vector goes along an axis, where the vector has
+// component h.
+double cone_reach(double h, double cone) {
+  if (h >= cone) return 1;
+  return h * cone + std::sqrt(std::max(0.0, 1 - h * h)) * std::sqrt(1 - cone * cone);
 }
 
 }  // namespace
@@ -75,9 +101,7 @@ MarkerField::MarkerField(const std::vector<Vec3>& position, const std::vector<Fi
     ++first_[cell[i] + 1];
   }
   for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
-  x_.resize(n), y_.resize(n), z_.resize(n);
-  vx_.resize(n), vy_.resize(n), vz_.resize(n);
-  shade_.resize(n);
+  resize(n);
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t at = next[cell[i]]++;
@@ -102,9 +126,15 @@ MarkerField::Run MarkerField::run(int x, int y0, int y1, int z) const {
   return {first_[row + static_cast<std::size_t>(y0)], first_[row + static_cast<std::size_t>(y1) + 1]};
 }
 
+void MarkerField::resize(std::size_t size) {
+  size_ = size;
+  const auto pad = [&](auto&... column) { (column.resize(size + kBlock), ...); };
+  pad(x_, y_, z_, vx_, vy_, vz_, shade_);
+}
+
 // Squeezes out the markers that are gone once they are a quarter of all.
 void MarkerField::squeeze() {
-  if (4 * taken_ < x_.size()) return;
+  if (4 * taken_ < size_) return;
   std::uint32_t to = 0;
   for (std::size_t c = 0; c + 1 < first_.size(); ++c) {
     const std::uint32_t from = first_[c], end = first_[c + 1];
@@ -118,49 +148,50 @@ void MarkerField::squeeze() {
     }
   }
   first_.back() = to;
-  const auto resize = [to](auto&... column) { (column.resize(to), ...); };
-  resize(x_, y_, z_, vx_, vy_, vz_, shade_);
+  resize(to);
   taken_ = 0;
 }
 
 bool MarkerField::pull(const Vec3& at, const Vec3& heading, double near_m, double far_m, double cone,
                        Vec3& direction) {
-  if (x_.empty()) return false;
+  if (size_ == 0) return false;
   const Vec3 p = (at - frame_.origin) / frame_.edge_m, local = p - lo_;
-  const auto px = static_cast<float>(local.x()), py = static_cast<float>(local.y()),
-             pz = static_cast<float>(local.z());
-  const double reach = far_m / frame_.edge_m;
-  const auto near2 = static_cast<float>((near_m / frame_.edge_m) * (near_m / frame_.edge_m));
-  const auto far2 = static_cast<float>(reach * reach);
-  const auto hx = static_cast<float>(heading.x()), hy = static_cast<float>(heading.y()),
-             hz = static_cast<float>(heading.z());
-  const auto cone2 = static_cast<float>(cone * cone);
-  const int cx0 = cell_of(p.x() - reach, 0), cx1 = cell_of(p.x() + reach, 0);
-  const int cy0 = cell_of(p.y() - reach, 1), cy1 = cell_of(p.y() + reach, 1);
-  const int cz0 = cell_of(p.z() - reach, 2), cz1 = cell_of(p.z() + reach, 2);
+  const double near = near_m / frame_.edge_m, far = far_m / frame_.edge_m;
+  const View view{
+      static_cast<float>(local.x()),   static_cast<float>(local.y()),   static_cast<float>(local.z()),
+      static_cast<float>(heading.x()), static_cast<float>(heading.y()), static_cast<float>(heading.z()),
+      static_cast<float>(near * near), static_cast<float>(far * far),   static_cast<float>(cone * cone)};
+  int lo[3], hi[3];  // cells of the box about the near ball and the cone
+  for (int axis = 0; axis < 3; ++axis) {
+    lo[axis] = cell_of(p[axis] - std::max(near, far * cone_reach(-heading[axis], cone)) - kRounding, axis);
+    hi[axis] = cell_of(p[axis] + std::max(near, far * cone_reach(heading[axis], cone)) + kRounding, axis);
+  }
   double sx = 0, sy = 0, sz = 0;
-  std::array<float, 256> d2;
-  for (int cz = cz0; cz <= cz1; ++cz)
-    for (int cx = cx0; cx <= cx1; ++cx) {
-      const Run markers = run(cx, cy0, cy1, cz);
-      for (std::size_t first = markers.first; first < markers.last; first += d2.size()) {
-        const std::size_t n = std::min(d2.size(), markers.last - first);
-        distance_run(n, x_.data() + first, y_.data() + first, z_.data() + first, px, py, pz, d2.data());
-        for (std::size_t j = 0; j < n; ++j) {
-          if (d2[j] > far2) continue;
-          const std::size_t i = first + j;
-          if (d2[j] <= near2) {
+  for (int cz = lo[2]; cz <= hi[2]; ++cz)
+    for (int cx = lo[0]; cx <= hi[0]; ++cx) {
+      const Run markers = run(cx, lo[1], hi[1], cz);
+      const std::uint32_t n = markers.last - markers.first;
+      if (keep_.size() < n + kBlock) keep_.resize(n + kBlock);
+      select_run(n, x_.data() + markers.first, y_.data() + markers.first, z_.data() + markers.first, view,
+                 keep_.data());
+      for (std::uint32_t pair = 0; pair < n; pair += kPair) {
+        std::uint64_t any = 0;
+        std::memcpy(&any, keep_.data() + pair, sizeof any);
+        if (any == 0) continue;
+        for (std::uint32_t j = pair; j < std::min(pair + kPair, n); ++j) {
+          if (!keep_[j]) continue;
+          const std::size_t i = markers.first + j;
+          const float dx = x_[i] - view.x, dy = y_[i] - view.y, dz = z_[i] - view.z;
+          const float d2 = dx * dx + dy * dy + dz * dz;
+          if (d2 <= view.near2) {
             x_[i] = kTakenPosition;
             vx_[i] = kTakenVoxel;
             ++taken_;
             continue;
           }
-          const float dx = x_[i] - px, dy = y_[i] - py, dz = z_[i] - pz;
-          const float along = dx * hx + dy * hy + dz * hz;
-          if (along <= 0 || along * along < cone2 * d2[j]) continue;
           const double light = 1.0 - to_light(shade_[i]);
           if (light < kLeastLight) continue;
-          const double weight = std::min(light, 1.0) / std::sqrt(static_cast<double>(d2[j]));
+          const double weight = std::min(light, 1.0) / std::sqrt(static_cast<double>(d2));
           sx += weight * dx, sy += weight * dy, sz += weight * dz;
         }
       }
@@ -172,21 +203,26 @@ bool MarkerField::pull(const Vec3& at, const Vec3& heading, double near_m, doubl
   return true;
 }
 
-void MarkerField::cast(const Voxel& node, const ShadeProfile& profile) {
+void MarkerField::cast(std::span<const Voxel> nodes, const ShadeProfile& profile) {
   squeeze();
-  if (x_.empty()) return;
+  if (size_ == 0 || nodes.empty()) return;
+  Voxel low = nodes[0], high = nodes[0];
+  for (const Voxel& node : nodes) {
+    low = {std::min(low.x, node.x), std::min(low.y, node.y), std::min(low.z, node.z)};
+    high = {std::max(high.x, node.x), std::max(high.y, node.y), std::max(high.z, node.z)};
+  }
   const int deepest = profile.layers() - 1;
-  const int cz0 = cell_of(node.z - deepest - 0.5, 2), cz1 = cell_of(node.z + 0.5, 2);
+  const int cz0 = cell_of(low.z - deepest - 0.5, 2), cz1 = cell_of(high.z + 0.5, 2);
   for (int cz = cz0; cz <= cz1; ++cz) {
     // The shadow's width at the bottom of this layer of cells.
     const double bottom = lo_.z() + cz * cell_.z();
-    const int half = std::clamp(static_cast<int>(std::ceil(node.z - bottom + 0.5)), 0, kPyramidLayers);
-    const int cx0 = cell_of(node.x - half - 0.5, 0), cx1 = cell_of(node.x + half + 0.5, 0);
-    const int cy0 = cell_of(node.y - half - 0.5, 1), cy1 = cell_of(node.y + half + 0.5, 1);
+    const int half = std::clamp(static_cast<int>(std::ceil(high.z - bottom + 0.5)), 0, kPyramidLayers);
+    const int cx0 = cell_of(low.x - half - 0.5, 0), cx1 = cell_of(high.x + half + 0.5, 0);
+    const int cy0 = cell_of(low.y - half - 0.5, 1), cy1 = cell_of(high.y + half + 0.5, 1);
     for (int cx = cx0; cx <= cx1; ++cx) {
       const Run markers = run(cx, cy0, cy1, cz);
       shade_run(markers.last - markers.first, vx_.data() + markers.first, vy_.data() + markers.first,
-                vz_.data() + markers.first, node, profile.padded(), profile.layers(),
+                vz_.data() + markers.first, nodes.size(), nodes.data(), profile.padded(), profile.layers(),
                 shade_.data() + markers.first);
     }
   }

@@ -8,6 +8,7 @@
 #include "forward/environment/voxels.h"
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace dendrofit::igm {
@@ -27,27 +28,30 @@ class MarkerField {
   /// pulls: no marker, or none with at least a tenth of full light.
   bool pull(const Vec3& at, const Vec3& heading, double near_m, double far_m, double cone, Vec3& direction);
 
-  /// The shadow of a new node.
-  void cast(const Voxel& node, const ShadeProfile& profile);
+  /// The shadows of new nodes that lie near each other.
+  void cast(std::span<const Voxel> nodes, const ShadeProfile& profile);
 
  private:
   struct Run {
-    std::size_t first, last;
+    std::uint32_t first, last;
   };
   int cell_of(double coordinate, int axis) const;
   /// Markers of the cells (x, y0..y1, z), which are neighbours in memory.
   Run run(int x, int y0, int y1, int z) const;
   void squeeze();
+  void resize(std::size_t size);
 
   VoxelFrame frame_;
   Vec3 cell_ = Vec3::Ones();  // voxels
   Vec3 lo_ = Vec3::Zero();    // voxels
   int count_[3] = {0, 0, 0};
-  std::vector<std::uint32_t> first_;        // of each cell; z slowest, y fastest
+  std::vector<std::uint32_t> first_;  // of each cell; z slowest, y fastest
+  std::size_t size_ = 0, taken_ = 0;
+  // A column an attribute, one entry a marker and some more that inner loops may read.
   std::vector<float> x_, y_, z_;            // voxels from lo_; far away once taken
   std::vector<std::int32_t> vx_, vy_, vz_;  // far away once taken
   std::vector<Fixed> shade_;
-  std::size_t taken_ = 0;
+  std::vector<std::int32_t> keep_;  // of a run: whether a marker is taken or pulls
 };
 
 }  // namespace dendrofit::igm

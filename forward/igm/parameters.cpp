@@ -28,7 +28,7 @@ constexpr std::array<Row, 24> kRows{{
     {{"k", "k", "", 0, 0.01, 1, "fraction of an axis's nodes that receive resource", "4.2; priority model"},
      &IgmParameters::k},
     {{"tau", "tau", "cycles", 0, 0, 1000, "apical control of the trunk", "4.2"}, &IgmParameters::tau},
-    {{"alpha", "alpha", "1", 0, 0.01, 1000, "resource per unit of light",
+    {{"alpha", "alpha", "", 0, 0.01, 1000, "resource per unit of light",
       "4.1; the printed values are about 2.5 times too small for the printed heights"},
      &IgmParameters::alpha},
     {{"sigma", "sigma", "", 0, 0, 2, "ageing of light sensitivity: L = l^(age^sigma)",
@@ -102,7 +102,7 @@ void check_bounds(const ParameterSpec& spec, double value, std::string_view wher
   std::ostringstream message;
   message << lead(where) << spec.key << " = " << value << ": must be a number between " << spec.lo << " and "
           << spec.hi;
-  if (spec.unit.size() > 1) message << " " << spec.unit;
+  if (!spec.unit.empty()) message << " " << spec.unit;
   throw InputError(message.str());
 }
 
@@ -197,7 +197,9 @@ void IgmParameters::validate() const {
     limit << "must be less than xm (" << equation_values[1] << " internodes)";
     require(equation_values[0] < equation_values[1], "x0", equation_values[0], limit.str());
   }
-  require(b_max >= b_min, "b_max", b_max, "must not be less than b_min");
+  std::ostringstream least;
+  least << "must not be less than b_min (" << b_min << ")";
+  require(b_max >= b_min, "b_max", b_max, least.str());
 }
 
 }  // namespace dendrofit

@@ -44,7 +44,7 @@ class Shooting {
            std::uint64_t seed)
       : stand_(stand), cycle_(cycle), obstacles_(obstacles), profiles_(profiles), seed_(seed) {}
 
-  void scatter(const std::vector<Sprout>& sprouts, const LightField& light);
+  void scatter(const std::vector<Sprout>& sprouts, LightField& light);
   void grow(const Sprout& sprout);
 
  private:
@@ -60,8 +60,10 @@ class Shooting {
 };
 
 // 150 - 4 (T+1) points a sprouting node, fewer where a tree would exceed its total; in the half ball about
-// the node's direction, between 2 and cap + 4 internodes away.
-void Shooting::scatter(const std::vector<Sprout>& sprouts, const LightField& light) {
+// the node's direction, between 2 and cap + 4 internodes away. Polar angles are uniform, denser about the
+// axis than directions uniform on the half ball, as in the authors' program: the latter leave trees of cycle
+// 20 at 7.06 +- 0.28 m (6 seeds) where theirs reach 7.5 to 8.3.
+void Shooting::scatter(const std::vector<Sprout>& sprouts, LightField& light) {
   std::vector<double> sprouting(stand_.parameters.size(), 0), cap;
   for (const IgmParameters& p : stand_.parameters) cap.push_back(p.cap(cycle_));
   const auto tree_of = [&](const Sprout& s) {
@@ -158,10 +160,10 @@ void Shooting::shoot(const Sprout& sprout, bool extend) {
     stand_.add_node(axis, at, cycle_, pipe);
     heading = move / step;
   }
-  for (std::size_t i = first_new; i < stand_.nodes.size(); ++i) {
-    if (!obstacles_.empty()) stand_.nodes.obstacle_shade[i] = obstacles_.shade(stand_.nodes.voxel[i]);
-    markers_.cast(stand_.nodes.voxel[i], profile);
-  }
+  if (!obstacles_.empty())
+    for (std::size_t i = first_new; i < stand_.nodes.size(); ++i)
+      stand_.nodes.obstacle_shade[i] = obstacles_.shade(stand_.nodes.voxel[i]);
+  markers_.cast(std::span(stand_.nodes.voxel).subspan(first_new), profile);
 }
 
 void Shooting::grow(const Sprout& sprout) {
@@ -171,7 +173,7 @@ void Shooting::grow(const Sprout& sprout) {
 
 }  // namespace
 
-void grow_shoots(Stand& stand, const std::vector<Sprout>& sprouts, int cycle, const LightField& light,
+void grow_shoots(Stand& stand, const std::vector<Sprout>& sprouts, int cycle, LightField& light,
                  const Obstacles& obstacles, const std::vector<ShadeProfile>& profiles, std::uint64_t seed,
                  Progress& progress) {
   Shooting shooting(stand, cycle, obstacles, profiles, seed);

@@ -15,8 +15,8 @@ namespace dendrofit::igm {
 
 /// Grows the sprouts of cycle T: markers are strewn about every sprouting node of every tree, then trees in
 /// random order, and within each its nodes in random order, send out their shoots. New nodes are appended to
-/// the stand; `light` is read, not changed. `profiles` are the trees' shadows in this cycle.
-void grow_shoots(Stand& stand, const std::vector<Sprout>& sprouts, int cycle, const LightField& light,
+/// the stand; `light` is only read. `profiles` are the trees' shadows in this cycle.
+void grow_shoots(Stand& stand, const std::vector<Sprout>& sprouts, int cycle, LightField& light,
                  const Obstacles& obstacles, const std::vector<ShadeProfile>& profiles, std::uint64_t seed,
                  Progress& progress);
 

@@ -12,7 +12,6 @@
 namespace dendrofit::igm {
 namespace {
 
-constexpr int kSeedlingInternodes = 4;
 constexpr double kSameLength = 1e-3;  // relative: an internode of this model already
 
 // One axis of the given tree as points about rho apart.

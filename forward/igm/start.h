@@ -9,7 +9,9 @@
 
 namespace dendrofit::igm {
 
-/// A seedling: four internodes straight up (the authors' program), born in `cycle`.
+constexpr int kSeedlingInternodes = 4;  // the authors' program
+
+/// A seedling: so many internodes straight up, born in `cycle`.
 void plant_seedling(Stand& stand, int tree, const Vec3& root, int cycle);
 
 /// A grown or scanned tree, each stem a plant. Axes are divided into internodes of about rho along their own

@@ -7,6 +7,7 @@
 #include "core/neighbors.h"
 #include "core/tree_topology.h"
 #include "forward/leaves/clearance.h"
+#include "forward/leaves/measured_profile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -78,26 +79,12 @@ void share_by_points(std::vector<Piece>& pieces, const Tree& tree, const PointCl
     const auto i = static_cast<std::size_t>(p.node);
     middle.push_back(tree.start[i] + 0.5 * (p.t0 + p.t1) * (tree.end[i] - tree.start[i]));
   }
-  // One vote a 3 cm voxel: near the scanner a leaf returns more points, not more leaf.
-  constexpr double kVoxel = 0.03;
-  std::vector<std::array<std::int64_t, 3>> voxels;
-  voxels.reserve(cloud.size());
-  for (const Vec3& point : cloud.points) {
-    const Vec3 local = point + (cloud.origin_shift - tree.origin_shift);
-    voxels.push_back({static_cast<std::int64_t>(std::floor(local.x() / kVoxel)),
-                      static_cast<std::int64_t>(std::floor(local.y() / kVoxel)),
-                      static_cast<std::int64_t>(std::floor(local.z() / kVoxel))});
-  }
-  std::sort(voxels.begin(), voxels.end());
-  voxels.erase(std::unique(voxels.begin(), voxels.end()), voxels.end());
+  const std::vector<Vec3> seen = leaf_voxel_centres(cloud, tree.origin_shift);
   const Neighbors neighbors(middle);
   std::vector<Neighbor> found;
   std::vector<double> votes(pieces.size(), 0);
   std::size_t far = 0;
-  for (const auto& v : voxels) {
-    const Vec3 at =
-        kVoxel * (Vec3(static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])) +
-                  Vec3::Constant(0.5));
+  for (const Vec3& at : seen) {
     neighbors.nearest(at, 3, found);
     double total = 0;
     for (const Neighbor& n : found)
@@ -106,13 +93,13 @@ void share_by_points(std::vector<Piece>& pieces, const Tree& tree, const PointCl
     for (const Neighbor& n : found)
       if (total > 0 && n.distance_squared <= reach * reach) votes[n.index] += pieces[n.index].share / total;
   }
-  if (far == voxels.size()) {
+  if (far == seen.size()) {
     warnings.push_back("no leaf point lies near bearing wood: the measured leaf profile is not used");
     return;
   }
   for (std::size_t k = 0; k < pieces.size(); ++k) pieces[k].share = votes[k];
-  if (5 * far > voxels.size())
-    warnings.push_back(std::to_string(100 * far / voxels.size()) +
+  if (5 * far > seen.size())
+    warnings.push_back(std::to_string(100 * far / seen.size()) +
                        " % of the leaf points lie further from bearing wood than measured_reach_m");
 }
 

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The program itself, run as a user runs it: exit codes, files, bytes.
 #include "core/atomic_file.h"
-#include "tests/support/scratch_folder.h"
+#include "tests/cli/run_program.h"
 #include "tests/support/shared_data.h"
-
-#include <cstdlib>
-#include <map>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
 namespace dendrofit {
 namespace {
@@ -18,32 +14,15 @@ namespace {
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-struct Outcome {
-  int code = -1;
-  std::string out;
-  std::string err;
-};
+using test::files_in;
+using test::Outcome;
 
-/// Runs `dendrofit ARGUMENTS` (shell words) with `before` put before it.
 Outcome run(const std::string& arguments, const std::string& before = "") {
-  const test::ScratchFolder scratch;
-  const std::string command = before + " " DENDROFIT_PROGRAM " " + arguments + " >" +
-                              (scratch / "out").string() + " 2>" + (scratch / "err").string() + " </dev/null";
-  const int status = std::system(command.c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), test::content_of(scratch / "out"),
-          test::content_of(scratch / "err")};
-}
-
-std::map<std::string, std::string> files_in(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file())
-      files[fs::relative(entry.path(), folder).string()] = test::content_of(entry.path());
-  return files;
+  return test::run_program(arguments, before);
 }
 
 std::string sample(const std::string& name) {
-  return (fs::path(DENDROFIT_SOURCE_DIR) / "data_samples" / name).string();
+  return test::sample_file(name);
 }
 
 TEST(Program, help_and_version_succeed_everywhere) {
@@ -146,6 +125,32 @@ TEST(Program, no_leaves_asked_for_is_no_error) {
             0);
 }
 
+TEST(Program, leaves_go_where_asked_in_every_format) {
+  const test::ScratchFolder scratch;
+  const fs::path out = scratch / "l";
+  const Outcome made =
+      run("leaves " + sample("young_tree_truth.csv") +
+          " --count 60 --species oak --leaf-length 6cm --inclination spherical --profile height=beta:5,2 "
+          "--export helios --export less --export eradiate --mesh obj --mesh ply --mesh glb -o " +
+          out.string());
+  ASSERT_EQ(made.code, 0) << made.err;
+  for (const char* file :
+       {"qsm.csv", "leaves.csv", "leaves.obj", "leaves.ply", "leaves.glb", "petioles.obj", "petioles.ply",
+        "helios/tree.obj", "helios/tree.mtl", "helios/scene.xml", "less/objects.txt", "less/instances.txt",
+        "less/tree_leaves.obj", "less/tree_wood.obj", "eradiate/leaves.txt", "eradiate/wood.ply", "run.toml"})
+    EXPECT_TRUE(fs::exists(out / file)) << file;
+  const auto json = nlohmann::json::parse(test::content_of(out / "leaves.json"));
+  EXPECT_EQ(json.at("achieved").at("count"), 60);
+  const Outcome wrong =
+      run("leaves " + sample("young_tree_truth.csv") + " --export dart -o " + (scratch / "m").string());
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_FALSE(fs::exists(scratch / "m"));
+  const Outcome odd = run("leaves " + sample("young_tree_truth.csv") + " --profile depth=uniform -o " +
+                          (scratch / "m").string());
+  EXPECT_EQ(odd.code, 2);
+  EXPECT_THAT(odd.err, HasSubstr("height=beta:2,3"));
+}
+
 TEST(Program, cycles_count_for_every_tree_of_a_site_and_growing_on_says_when_nothing_is_added) {
   const test::ScratchFolder scratch;
   write_file(scratch / "site.toml",
@@ -153,7 +158,19 @@ TEST(Program, cycles_count_for_every_tree_of_a_site_and_growing_on_says_when_not
   const Outcome stand = run("grow standard --json --cycles 5 --site " + (scratch / "site.toml").string() +
                             " -o " + (scratch / "s").string());
   ASSERT_EQ(stand.code, 0) << stand.err;
-  EXPECT_EQ(nlohmann::json::parse(stand.out).at("last_cycle"), 5);
+  const auto said = nlohmann::json::parse(stand.out);
+  EXPECT_EQ(said.at("last_cycle"), 5);
+  // Each tree has metrics of its own, beside those of all wood.
+  const auto metrics = nlohmann::json::parse(test::content_of(scratch / "s" / "metrics.json"));
+  ASSERT_EQ(metrics.at("trees").size(), 2U);
+  EXPECT_EQ(said.at("metrics").at("trees"), metrics.at("trees"));
+  double wood = 0;
+  for (const auto& tree : metrics.at("trees")) {
+    EXPECT_GT(tree.at("height_m"), 0);
+    EXPECT_LT(tree.at("crown_diameter_m"), metrics.at("crown_diameter_m"));
+    wood += tree.at("total_volume_m3").get<double>();
+  }
+  EXPECT_NEAR(wood, metrics.at("total_volume_m3"), 1e-9 * wood);
   ASSERT_EQ(run("grow standard --cycles 6 -o " + (scratch / "t").string()).code, 0);
   const Outcome on = run("grow standard --cycles 4 --from " + (scratch / "t" / "qsm.csv").string() +
                          " --from-cycle 6 -o " + (scratch / "u").string());
@@ -177,10 +194,12 @@ TEST(Determinism, the_main_job_gives_the_same_bytes_for_any_number_of_threads) {
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     auto files = files_in(scratch / folder);
     EXPECT_TRUE(files.erase("report.html"));  // holds the times of the stages
-    // leaves.json tells how long the leaves took; all else must agree
-    auto leaves = nlohmann::json::parse(files["leaves.json"]);
-    leaves.erase("seconds");
-    files["leaves.json"] = leaves.dump();
+    // these tell how long leaves and fit took; all else must agree
+    for (const char* name : {"leaves.json", "fit.json"}) {
+      auto content = nlohmann::json::parse(files[name]);
+      EXPECT_EQ(content.erase("seconds"), 1u);
+      files[name] = content.dump();
+    }
     return files;
   };
   const auto one = main_job("one", "--threads 1");
@@ -202,7 +221,22 @@ TEST(Program, ctrl_c_leaves_nothing_half_written) {
   // timeout reports 124 when it had to signal; the program's own code stands in its message
   EXPECT_TRUE(outcome.code == 124 || outcome.code == 130) << outcome.code << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("stopped"));
-  EXPECT_TRUE(files_in(scratch / "out").empty());
+  auto left = files_in(scratch / "out");
+  left.erase("fit.checkpoint");  // to resume from
+  EXPECT_TRUE(left.empty());
+}
+
+TEST(Program, only_an_interrupted_fit_can_be_resumed) {
+  const test::ScratchFolder scratch;
+  const std::string out = (scratch / "out").string();
+  const Outcome nothing = run("fit " + sample("young_tree_truth.csv") + " --resume -o " + out);
+  EXPECT_EQ(nothing.code, 2);
+  EXPECT_THAT(nothing.err, HasSubstr("no interrupted fit"));
+  fs::create_directories(out);
+  write_file(fs::path(out) / "fit.checkpoint", "dendrofit fit checkpoint 1\nshort");
+  const Outcome damaged = run("fit " + sample("young_tree_truth.csv") + " --resume -o " + out);
+  EXPECT_EQ(damaged.code, 3);
+  EXPECT_THAT(damaged.err, HasSubstr("damaged"));
 }
 
 TEST(Program, fitted_parameters_regrow_the_fitted_tree) {

@@ -34,6 +34,21 @@ TEST(View, pictures_a_folder_of_results_with_a_scan_beside_it) {
   EXPECT_EQ(test::content_of(scratch / "a.png"), picture);
 }
 
+TEST(View, makes_a_page_of_a_folder_with_the_growth_in_it) {
+  const test::ScratchFolder scratch;
+  const std::string tree = (scratch / "a \"tree\" <1>").string(), page = (scratch / "p.html").string();
+  ASSERT_EQ(run("grow standard --cycles 4 -o '" + tree + "'"), 0);
+  ASSERT_EQ(run("leaves '" + tree + "/qsm.csv' --count 30 --force -o '" + tree + "'"), 0);
+  ASSERT_EQ(run("view '" + tree + "' --height 240 --html " + page), 0);
+  const std::string html = test::content_of(scratch / "p.html");
+  EXPECT_NE(html.find("<h1>a &quot;tree&quot; &lt;1&gt;</h1>"), std::string::npos);
+  EXPECT_NE(html.find("30 leaves"), std::string::npos);
+  EXPECT_NE(html.find("plot-growth-1"), std::string::npos);
+  EXPECT_EQ(run("view '" + tree + "' --html " + (scratch / "p.pdf").string()), 2);
+  EXPECT_EQ(run("view '" + tree + "' --png " + (scratch / "p.jpg").string()), 2);
+  EXPECT_FALSE(std::filesystem::exists(scratch / "p.jpg"));
+}
+
 TEST(View, pictures_a_cloud_and_refuses_what_it_cannot_show) {
   const test::ScratchFolder scratch;
   const std::string png = " --png " + (scratch / "a.png").string();

@@ -31,7 +31,7 @@ TEST(Camera, ProjectsTheAxisOntoThePrincipalPoint) {
 
 TEST(Camera, RayAndProjectionAreInverse) {
   const Camera camera = sample();
-  for (const Eigen::Vector2d pixel :
+  for (const Eigen::Vector2d& pixel :
        {Eigen::Vector2d(0.5, 0.5), {1499.5, 2249.5}, {750, 1125}, {100, 1800}}) {
     const Vec3 point = camera.centre() + 7.3 * camera.ray(pixel);
     const auto back = camera.project(point);

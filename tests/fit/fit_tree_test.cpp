@@ -3,12 +3,14 @@
 
 #include "core/errors.h"
 #include "core/metrics.h"
-#include "fit/search_space.h"
-#include "fit/tree_simulator.h"
 #include "forward/igm/grow.h"
 #include "tests/support/tiny_trees.h"
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include <gtest/gtest.h>
 
@@ -17,59 +19,148 @@ namespace {
 
 /// A small tree of known parameters (few cycles, so that simulations are cheap).
 Tree known_tree() {
-  IgmParameters p = igm_preset("standard").parameters;
-  p.set("xm", 70);
-  p.set("r", 0.45);
+  IgmParameters p = igm_preset("table2-06").parameters;
+  p.set("xm", 80);
+  p.set("r", 0.5);
   p.set("branch_angle_deg", 60);
-  p.cycles = 10;
+  p.cycles = 9;
   return grow_igm(p, {}, {.seed = 77}).tree;
+}
+
+std::shared_ptr<const PriorBank> repository_bank() {
+  std::ifstream in(std::filesystem::path(DENDROFIT_SOURCE_DIR) / "fit" / "data" / "igm.bank",
+                   std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  return std::make_shared<const PriorBank>(decode_bank(bytes, "igm.bank"));
 }
 
 FitOptions small_budget() {
   FitOptions options;
-  options.evaluations = 120;
-  options.age_years = 10;
+  options.evaluations = 40;
+  options.age_years = 9;
   options.internode_length_m = 0.1;
+  options.observed_from = ObservedFrom::exact;
   return options;
+}
+
+const FittedParameter& parameter(const TreeFit& fit, const std::string& key) {
+  const auto found = std::find_if(fit.parameters.begin(), fit.parameters.end(),
+                                  [&](const FittedParameter& p) { return p.key == key; });
+  if (found == fit.parameters.end()) throw InputError("not fitted: " + key);
+  return *found;
 }
 
 bool same(const TreeFit& a, const TreeFit& b) {
   if (a.cost_history != b.cost_history || a.best_seed != b.best_seed || a.cost_after != b.cost_after)
     return false;
   for (std::size_t i = 0; i < a.parameters.size(); ++i)
-    if (a.parameters[i].value != b.parameters[i].value || a.parameters[i].lo != b.parameters[i].lo)
+    if (a.parameters[i].value != b.parameters[i].value || a.parameters[i].lo != b.parameters[i].lo ||
+        a.parameters[i].median != b.parameters[i].median)
       return false;
   return true;
 }
 
 TEST(FitTree, a_fit_of_a_grown_tree_beats_the_middle_of_the_prior_on_fresh_seeds) {
-  const TreeFit fit = fit_tree(known_tree(), small_budget());
+  FitOptions options = small_budget();
+  options.bank = repository_bank();
+  const TreeFit fit = fit_tree(known_tree(), options);
+  EXPECT_TRUE(fit.used_bank);
   EXPECT_LT(fit.cost_after, 0.6 * fit.cost_before);
   EXPECT_LT(fit.cost_after, 2.5);  // 1: another seed of the same tree
   EXPECT_LT(fit.seed_floor, 1.5);
-  EXPECT_LE(fit.evaluations, 120);
+  EXPECT_LE(fit.evaluations, 40);
   EXPECT_EQ(fit.cost_history.size(), static_cast<std::size_t>(fit.evaluations));
   for (std::size_t i = 1; i < fit.cost_history.size(); ++i)
     EXPECT_LE(fit.cost_history[i], fit.cost_history[i - 1]);
   for (const FittedParameter& p : fit.parameters) {
-    EXPECT_LE(p.lo, p.value);
-    EXPECT_GE(p.hi, p.value);
-    EXPECT_GE(p.lo, p.prior_lo - 1e-9);
-    EXPECT_LE(p.hi, p.prior_hi + 1e-9);
+    EXPECT_LE(p.lo, p.value) << p.key;
+    EXPECT_GE(p.hi, p.value) << p.key;
+    EXPECT_LE(p.lo50, p.hi50) << p.key;
+    EXPECT_GE(p.lo, p.prior_lo - 1e-9) << p.key;
+    EXPECT_LE(p.hi, p.prior_hi + 1e-9) << p.key;
   }
+  EXPECT_NEAR(parameter(fit, "branch_angle_deg").median, 60, 15);
+  EXPECT_TRUE(parameter(fit, "branch_angle_deg").identifiable);
+  // what one tree cannot tell is not told
+  for (const char* key : {"tau", "sigma", "b_min"}) EXPECT_FALSE(parameter(fit, key).identifiable) << key;
+  ASSERT_EQ(fit.evidence.size(), 3u);
+  double sum = 0;
+  for (const EquationEvidence& e : fit.evidence) sum += e.probability;
+  EXPECT_NEAR(sum, 1, 1e-9);
+  EXPECT_EQ(fit.posterior_trees.size(), 5u);
   EXPECT_FALSE(fit.stop_reason.empty());
 }
 
-TEST(FitTree, threads_change_nothing) {
+TEST(FitTree, threads_change_nothing_and_neither_does_an_interruption) {
   const Tree tree = known_tree();
   FitOptions options = small_budget();
-  options.evaluations = 60;
+  std::vector<std::string> checkpoints;
+  options.evaluations = 24;
   options.threads = 1;
+  options.on_checkpoint = [&](std::string_view bytes) { checkpoints.emplace_back(bytes); };
   const TreeFit one = fit_tree(tree, options);
+  ASSERT_FALSE(checkpoints.empty());
+  EXPECT_FALSE(one.used_bank);
+
   options.threads = 3;
+  options.on_checkpoint = nullptr;
+  options.resume_from = checkpoints.front();
   EXPECT_TRUE(same(one, fit_tree(tree, options)));
   options.seed = 2;
+  EXPECT_THROW(fit_tree(tree, options), InputError);  // another fit's checkpoint
+  options.resume_from.clear();
   EXPECT_FALSE(same(one, fit_tree(tree, options)));
+}
+
+TEST(FitTree, a_bank_of_another_model_is_refused_and_done_without) {
+  PriorBank bank = *repository_bank();
+  bank.stamp.back() += 1;
+  FitOptions options = small_budget();
+  options.evaluations = 2;
+  options.bank = std::make_shared<const PriorBank>(bank);
+  const TreeFit fit = fit_tree(known_tree(), options);
+  EXPECT_FALSE(fit.used_bank);
+  ASSERT_FALSE(fit.warnings.empty());
+  EXPECT_NE(fit.warnings.front().find("grows other trees"), std::string::npos);
+}
+
+TEST(FitTree, dated_heights_fix_the_time_course) {
+  MeasurementSeries heights{"a", {1, 2, 3, 4, 5, 6, 7, 8, 9}, {}};
+  for (const double t : heights.time) heights.value.push_back(8 / (1 + 39 * std::exp(-0.5 * t)));
+  FitOptions options = small_budget();
+  options.age_years.reset();
+  options.heights = heights;
+  options.evaluations = 1;
+  const TreeFit fit = fit_tree(known_tree(), options);
+  EXPECT_TRUE(fit.age_known && fit.course_known);
+  EXPECT_EQ(fit.best.cycles, 9);
+  EXPECT_NEAR(fit.best.get("r"), 0.5, 1e-6);
+  EXPECT_NEAR(fit.best.get("x0") / fit.best.get("xm"), 1.0 / 40, 1e-6);
+  EXPECT_THROW(parameter(fit, "r"), InputError);
+  options.heights->value.assign(9, 5.0);
+  EXPECT_THROW(fit_tree(known_tree(), options), SolverError);
+}
+
+TEST(FitTree, a_single_view_tells_less) {
+  FitOptions options = small_budget();
+  options.evaluations = 1;
+  options.observed_from = ObservedFrom::one_view;
+  const TreeFit fit = fit_tree(known_tree(), options);
+  for (const DescriptorFit& d : fit.descriptors)
+    EXPECT_TRUE(descriptor_table()[descriptor_row(d.name)].one_view) << d.name;
+}
+
+TEST(FitTree, trees_are_compared_as_the_observer_sees_them) {
+  FitOptions options = small_budget();
+  options.evaluations = 1;
+  int seen = 0;
+  options.threads = 1;
+  options.observe = [&](const Tree& tree, std::uint64_t) {
+    if (++seen % 5 == 0) throw SolverError("no tree to be seen");
+    return tree;
+  };
+  EXPECT_NO_THROW(fit_tree(known_tree(), options));
+  EXPECT_GT(seen, 20);
 }
 
 TEST(FitTree, starved_and_poor_input_end_politely) {
@@ -82,13 +173,10 @@ TEST(FitTree, starved_and_poor_input_end_politely) {
   ASSERT_FALSE(starved.warnings.empty());
   for (const FittedParameter& p : starved.parameters) EXPECT_FALSE(p.identifiable) << p.key;
 
-  options.evaluations = 40;
+  options.bank = repository_bank();
   const TreeFit bare = fit_tree(test::pole(3, 0.03), options);
-  for (const FittedParameter& p : bare.parameters) {
-    if (p.key == "branch_angle_deg") {
-      EXPECT_FALSE(p.identifiable);
-    }
-  }
+  for (const FittedParameter& p : bare.parameters) EXPECT_FALSE(p.identifiable) << p.key;
+  EXPECT_FALSE(bare.warnings.empty());
 }
 
 TEST(FitTree, refuses_nonsense) {
@@ -96,6 +184,9 @@ TEST(FitTree, refuses_nonsense) {
   EXPECT_THROW(fit_tree(test::pole(2), {.evaluations = 0}), InputError);
   EXPECT_THROW(fit_tree(test::pole(2), {.age_years = -4}), InputError);
   EXPECT_THROW(fit_tree(test::pole(2), {.equation = "korf"}), InputError);
+  FitOptions options;
+  options.resume_from = "what is this";
+  EXPECT_THROW(fit_tree(known_tree(), options), IoError);
 }
 
 TEST(TreeSimulator, radii_are_scaled_to_the_observed_diameter) {

@@ -121,7 +121,7 @@ TEST(GrowthTraps, WeibullRateIsGivenAsAnAgeToo) {
 
 TEST(GrowthTraps, TooFewAgesSaysHowManyAreMissing) {
   EXPECT_THAT(messages({"p1", {10, 20}, {3, 8}}, only("logistic")),
-              Contains(AllOf(HasSubstr("2 measurements"), HasSubstr("add at least 2 more ages"))));
+              Contains(AllOf(HasSubstr("2 measurements at 2 ages"), HasSubstr("add at least 2 more ages"))));
   EXPECT_THAT(messages({"p2", {10, 10, 20, 20, 20}, {3, 4, 8, 9, 8}}, only("logistic")),
               Contains(AllOf(HasSubstr("at 2 ages"), HasSubstr("add at least 1 more age"))));
 }
@@ -197,6 +197,33 @@ TEST(GrowthTraps, RivalMinimaAreBothReported) {
   EXPECT_NEAR(fit_growth_equation(series, "logistic", there).rss, fit.second_best->rss, 1e-9 * fit.rss);
   EXPECT_THAT(messages(series, only("logistic")),
               Contains(AllOf(HasSubstr("two different curves"), HasSubstr("both are reported"))));
+}
+
+TEST(GrowthTraps, NoGrowthAtAllIsCalledThat) {
+  EXPECT_THAT(
+      messages({"flat", {5, 10, 15, 20, 25}, {3, 3, 3, 3, 3}}, only("logistic")),
+      Contains(AllOf(HasSubstr("every size is 3"), HasSubstr("no growth to fit"), HasSubstr("check"))));
+  EXPECT_THAT(messages({"dying", {5, 10, 15, 20, 25, 30}, {20, 15, 9, 6, 3, 1}}, only("logistic")),
+              Contains(AllOf(HasSubstr("the sizes fall with age"), HasSubstr("check the columns"))));
+}
+
+TEST(GrowthTraps, TimeShiftThatTheRateCanReplace) {
+  MeasurementSeries series =
+      test::simulated("late", "bertalanffy", {35, 0.03}, test::ages(60, 100, 4), 0.05, 3);
+  GrowthOptions options = only("bertalanffy");
+  options.fit_time_shift = true;
+  EXPECT_THAT(
+      messages(series, options),
+      Contains(AllOf(HasSubstr("time shift can hardly be told from the rate"), HasSubstr("young ages"))));
+}
+
+TEST(GrowthTraps, RepeatedTreesInOnePoolAreNotIndependent) {
+  const GrowthReport report =
+      fit_growth({test::simulated("a", "bertalanffy", {30, 0.04}, test::ages(10, 90, 10), 0.2, 1),
+                  test::simulated("b", "bertalanffy", {20, 0.04}, test::ages(10, 90, 10), 0.2, 2)},
+                 only("bertalanffy"));
+  EXPECT_THAT(report.pooled->warnings,
+              Contains(AllOf(HasSubstr("errors are too small"), HasSubstr("--mixed"))));
 }
 
 TEST(GrowthTraps, NoSizeAboveZero) {

@@ -20,6 +20,7 @@ struct World {
   Eigen::Index m = static_cast<Eigen::Index>(descriptor_table().size());
   Eigen::MatrixXd parameters{300, 3};
   Eigen::MatrixXd descriptors{300, m};
+  Eigen::VectorXd error = Eigen::VectorXd::Constant(m, 0.1);
   Random random{4};
 
   Eigen::RowVectorXd draw(const Eigen::RowVectorXd& theta) {
@@ -42,7 +43,8 @@ TEST(NoiseMetric, another_seed_of_the_same_tree_is_at_distance_one) {
   for (const int seeds : {1, 4}) {
     double sum = 0;
     for (int k = 0; k < 100; ++k) {
-      const NoiseMetric metric(world.parameters, world.descriptors, world.draw(theta).transpose());
+      const NoiseMetric metric(world.parameters, world.descriptors, world.draw(theta).transpose(),
+                               world.error);
       Eigen::MatrixXd simulations(seeds, world.m);
       for (int s = 0; s < seeds; ++s) simulations.row(s) = world.draw(theta);
       sum += metric.cost(simulations);
@@ -57,7 +59,7 @@ TEST(NoiseMetric, other_parameters_are_farther) {
   World world;
   const Eigen::RowVectorXd here = Eigen::RowVectorXd::Constant(3, 0.5);
   const Eigen::RowVectorXd there = Eigen::RowVectorXd::Constant(3, 1.0);
-  const NoiseMetric metric(world.parameters, world.descriptors, world.draw(here).transpose());
+  const NoiseMetric metric(world.parameters, world.descriptors, world.draw(here).transpose(), world.error);
   EXPECT_GT(metric.cost(world.draw(there)), 2 * metric.cost(world.draw(here)));
 }
 
@@ -65,7 +67,7 @@ TEST(NoiseMetric, descriptors_that_the_tree_lacks_are_not_used_and_those_a_simul
   World world;
   Eigen::VectorXd observed = world.draw(Eigen::RowVectorXd::Constant(3, 0.5)).transpose();
   observed[2] = kNone;
-  const NoiseMetric metric(world.parameters, world.descriptors, observed);
+  const NoiseMetric metric(world.parameters, world.descriptors, observed, world.error);
   EXPECT_EQ(static_cast<Eigen::Index>(metric.used().size()), world.m - 1);
   EXPECT_TRUE(std::isnan(metric.noise(2)));
   Eigen::RowVectorXd simulation = observed.transpose();
@@ -76,7 +78,8 @@ TEST(NoiseMetric, descriptors_that_the_tree_lacks_are_not_used_and_those_a_simul
 
 TEST(NoiseMetric, nothing_in_common_is_said) {
   World world;
-  EXPECT_THROW(NoiseMetric(world.parameters, world.descriptors, Eigen::VectorXd::Constant(world.m, kNone)),
+  EXPECT_THROW(NoiseMetric(world.parameters, world.descriptors, Eigen::VectorXd::Constant(world.m, kNone),
+                           world.error),
                SolverError);
 }
 

@@ -255,6 +255,13 @@ TEST(IgmGrowth, refuses_what_cannot_be_grown) {
   site.trees.push_back({{Vec3(1, 1, 0)}, std::nullopt});
   site.solids.boxes.push_back({{0, 0, -1}, {2, 2, 3}});
   EXPECT_THROW(grow_igm(IgmParameters(), site), InputError);
+  // Thinner than the seedling is tall, and across it.
+  site.solids.boxes[0] = {{0, 0, 0.1}, {2, 2, 0.2}};
+  EXPECT_THROW(grow_igm(IgmParameters(), site), InputError);
+  site.solids.boxes[0] = {{0, 0, -1}, {2, 2, 0}};  // ground to stand on
+  IgmParameters young;
+  young.cycles = 2;
+  EXPECT_NO_THROW(grow_igm(young, site));
   site.solids.boxes.clear();
   site.trees[0].roots.clear();
   EXPECT_THROW(grow_igm(IgmParameters(), site), InputError);

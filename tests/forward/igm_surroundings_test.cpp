@@ -24,10 +24,6 @@ IgmParameters standard(int cycles) {
   return p;
 }
 
-double wood(const IgmGrowth& growth) {
-  return static_cast<double>(growth.tree.size());
-}
-
 bool touches(const Tree& tree, const SolidBox& box) {
   for (std::size_t i = 0; i < tree.size(); ++i)
     for (int s = 0; s <= 20; ++s) {
@@ -129,66 +125,6 @@ TEST(IgmSurroundings, the_tree_with_the_smaller_limit_falls_behind_and_stops_ear
   RecordProperty("last height growth", std::to_string(stop.mean()));
   EXPECT_LT(effect(single, pair), -2);
   EXPECT_LT(stop.mean(), 19);
-}
-
-TEST(IgmSurroundings, higher_lambda_gives_fewer_and_weaker_laterals) {
-  IgmParameters low = standard(12), high = standard(12);
-  low.lambda = 0.48, high.lambda = 0.56;
-  const auto lateral_wood = [](const IgmGrowth& g) {
-    double lateral = 0;
-    for (std::size_t i = 0; i < g.tree.size(); ++i) lateral += g.tree.order[i] > 0;
-    return lateral / static_cast<double>(g.tree.size() - static_cast<std::size_t>(lateral));
-  };
-  const double d =
-      effect(sample(grow_seeds(low, 6), lateral_wood), sample(grow_seeds(high, 6), lateral_wood));
-  RecordProperty("effect", std::to_string(d));
-  EXPECT_LT(d, -1);
-}
-
-TEST(IgmSurroundings, higher_k_is_denser) {
-  IgmParameters low = igm_preset("table2-06").parameters, high = low;
-  low.cycles = high.cycles = 12;
-  low.k = 0.35, high.k = 0.5;
-  const double d = effect(sample(grow_seeds(low, 6), wood), sample(grow_seeds(high, 6), wood));
-  RecordProperty("effect", std::to_string(d));
-  EXPECT_GT(d, 1);
-}
-
-TEST(IgmSurroundings, a_higher_shedding_ratio_is_sparser) {
-  IgmParameters low = standard(12), high = standard(12);
-  low.shed_ratio = 0.2, high.shed_ratio = 0.5;
-  const double d = effect(sample(grow_seeds(low, 6), wood), sample(grow_seeds(high, 6), wood));
-  RecordProperty("effect", std::to_string(d));
-  EXPECT_LT(d, -2);
-}
-
-// Internodes within 0.8 m of the stem's line, between 2 and 4 m up.
-double interior_wood(const IgmGrowth& g) {
-  double inside = 0;
-  for (const Vec3& end : g.tree.end)
-    inside += end.z() > 2 && end.z() < 4 && std::hypot(end.x(), end.y()) < 0.8;
-  return inside;
-}
-
-TEST(IgmSurroundings, ageing_and_lightening_shade_bare_the_interior) {
-  IgmParameters changing = standard(15), constant = changing;
-  constant.sigma = 0;
-  constant.b_min = constant.b_max;
-  const double d =
-      effect(sample(grow_seeds(constant, 4), interior_wood), sample(grow_seeds(changing, 4), interior_wood));
-  RecordProperty("effect", std::to_string(d));
-  EXPECT_LT(d, -2);
-}
-
-TEST(IgmSurroundings, the_equation_holds_the_height_though_cycles_go_on) {
-  IgmParameters p = igm_preset("standard").parameters;
-  p.cycles = 60;
-  for (const IgmGrowth& growth : grow_seeds(p, 2)) {
-    EXPECT_LE(growth.last_cycle, 20);
-    EXPECT_LT(growth.series.back().cycle, 25);
-    EXPECT_NEAR(growth.series.back().height_m, at_cycle(growth, 19).height_m, 0.05);
-    EXPECT_LT(growth.series.back().height_m, 100 * p.rho_m);
-  }
 }
 
 TEST(IgmSurroundings, a_shrub_of_ten_roots_is_one_tree_with_ten_stems) {

@@ -35,6 +35,7 @@ int main(int count, char** words) {
     write_tree(folder / "tree" / std::to_string(f), test::sample_tree(), static_cast<TreeFormat>(f));
   write_tree_obj(folder / "mesh/a.obj", test::sample_tree(), {.min_sides = 3, .max_sides = 4});
   write_tree_ply(folder / "mesh/a.ply", test::sample_tree(), {.min_sides = 3, .max_sides = 4});
+  write_tree_glb(folder / "mesh/a.glb", test::sample_tree(), {.min_sides = 3, .max_sides = 4});
   write("table/a", std::string("\0series,time,value\na,1,2\nb,2,NA\n", 33));
   write("table/b", "\1" + metrics_to_json(measure(test::sample_tree())));
   write("table/c", "\2a = 1\n[t]\nb = [1.5, 2]\nc = \"x\"\n[[u]]\nd = true\n");

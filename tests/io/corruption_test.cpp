@@ -2,9 +2,11 @@
 // More than 200 systematic corruptions of each format: bytes cut off, turned over, and put in place of
 // others. A reader may read what is left or refuse it with an IoError that names the file; nothing else, and
 // never with much memory.
+#include "io/birth_cycles.h"
 #include "io/file_info.h"
 #include "io/metrics_json.h"
 #include "io/read_cloud.h"
+#include "io/read_foliage.h"
 #include "io/read_mesh.h"
 #include "io/read_table.h"
 #include "io/read_tree.h"
@@ -94,6 +96,16 @@ std::vector<Format> formats() {
        false},
       {"tree.ply", [](const auto& path) { write_tree_ply(path, test::sample_tree()); }, read_mesh_checked,
        true},
+      {"leaves.glb", [](const auto& path) { write_foliage_glb(path, test::sample_foliage()); },
+       [](const auto& path) { ASSERT_GT(read_foliage_glb(path).size(), 0U); }, true},
+      {"birth_cycles.csv", text("id,birth_cycle\n1,-1\n2,0\n3,1\n4,2\n5,2\n6,3\n7,3\n"),
+       [](const auto& path) {
+         Tree tree = test::sample_tree();
+         read_birth_cycles(path, tree);
+       },
+       false},
+      {"tree.glb", [](const auto& path) { write_tree_glb(path, test::sample_tree()); },
+       [](const auto& path) { describe_file(path); }, true},
       {"heights.csv", text("series,time,value\na,1,2.5\na,2,NA\nb,1,3\nb,2.5,4e1\n"), read_table_checked,
        false},
       {"metrics.json", [](const auto& path) { write_metrics(path, measure(test::sample_tree())); },

@@ -13,6 +13,7 @@
 
 #include <limits>
 
+#include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -199,10 +200,34 @@ TEST(Gltf, DrawsLeavesAsInstancesWhereTheyAre) {
   }
 }
 
+TEST(Gltf, DrawsPetiolesFromTheWoodToTheBlade) {
+  const TemporaryFolder folder;
+  const Foliage foliage = test::sample_foliage();
+  write_foliage_glb(folder / "l.glb", foliage);
+  const Glb glb(content_of(folder / "l.glb"));
+  EXPECT_EQ(glb.json["nodes"][2]["name"], "petioles");
+  const auto& attributes = glb.json["nodes"][2]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+  const std::vector<float> t = glb.floats(attributes["TRANSLATION"]);
+  const std::vector<float> q = glb.floats(attributes["ROTATION"]);
+  const std::vector<float> s = glb.floats(attributes["SCALE"]);
+  ASSERT_EQ(t.size(), 3 * foliage.size());
+  for (std::size_t i = 0; i < foliage.size(); ++i) {
+    std::array<Vec3, 4> corner;
+    ASSERT_TRUE(petiole_corners(foliage.leaves[i], foliage.shapes[0], corner));
+    const Eigen::Quaterniond turn(q[4 * i + 3], q[4 * i], q[4 * i + 1], q[4 * i + 2]);
+    const Vec3 unit[4] = {{-0.5, 0, 0}, {0.5, 0, 0}, {0.5, 1, 0}, {-0.5, 1, 0}};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Vec3 scaled(s[3 * i] * unit[k].x(), s[3 * i + 1] * unit[k].y(), 0);
+      const Vec3 at = turn * scaled + Vec3(t[3 * i], t[3 * i + 1], t[3 * i + 2]);
+      EXPECT_LT((at - Vec3(corner[k].x(), corner[k].z(), -corner[k].y())).norm(), 3e-6) << i << " " << k;
+    }
+  }
+}
+
 TEST(Gltf, ASceneHoldsBoth) {
   const TemporaryFolder folder;
   write_scene_glb(folder / "s.glb", test::sample_tree(), test::sample_foliage());
-  EXPECT_EQ(Glb(content_of(folder / "s.glb")).json["nodes"].size(), 3u);
+  EXPECT_EQ(Glb(content_of(folder / "s.glb")).json["nodes"].size(), 4u);  // root, wood, blades, petioles
   write_scene_glb(folder / "w.glb", test::sample_tree(), Foliage{});
   EXPECT_EQ(Glb(content_of(folder / "w.glb")).json["nodes"].size(), 2u);
   EXPECT_THROW(write_scene_glb(folder / "x.glb", test::sample_tree(), test::sample_foliage(kUtm)),

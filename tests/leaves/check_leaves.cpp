@@ -11,7 +11,9 @@
 namespace {
 
 constexpr const char* kUsage =
-    "usage: check_leaves LEAVES.obj QSM.csv [--leaves LEAVES.csv] [--ground Z|none]\n"
+    "usage: check_leaves LEAVES.obj QSM.csv [--leaves LEAVES.csv] [--petioles PETIOLES.obj] [--shoots "
+    "SHOOTS.csv]\n"
+    "                    [--ground Z|none]\n"
     "  Looks for leaves that meet another leaf, a cylinder of the tree (solid, flat ends) or the ground; "
     "touching\n"
     "  counts. Decisions are exact. A leaf is what hangs together by shared vertices, or, with --leaves, an "
@@ -29,15 +31,20 @@ void show(const char* what, const std::vector<leafcheck::Hit>& hits, const char*
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::optional<std::string> obj, qsm, rows, ground;
+  std::optional<std::string> obj, qsm, rows, petioles, shoots, ground;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     if (word == "--help" || word == "-h") {
       std::fputs(kUsage, stdout);
       return 0;
     }
-    if ((word == "--leaves" || word == "--ground") && i + 1 < argc)
-      (word == "--leaves" ? rows : ground) = argv[++i];
+    std::optional<std::string>* const named = word == "--leaves"     ? &rows
+                                              : word == "--petioles" ? &petioles
+                                              : word == "--shoots"   ? &shoots
+                                              : word == "--ground"   ? &ground
+                                                                     : nullptr;
+    if (named && i + 1 < argc)
+      *named = argv[++i];
     else if (!obj)
       obj = word;
     else if (!qsm)
@@ -45,16 +52,20 @@ int main(int argc, char** argv) {
     else
       qsm.reset(), obj.reset(), i = argc;
   }
-  if (!obj || !qsm) {
+  if (!obj || !qsm || (petioles && !rows)) {
     std::fputs(kUsage, stderr);
     return 2;
   }
   try {
     double level = 0;
-    const auto wood = leafcheck::read_cylinders(*qsm, &level);
-    if (ground && *ground != "none") level = std::stod(*ground);
-    const auto triangles = leafcheck::read_obj(*obj, rows ? leafcheck::count_rows(*rows) : 0);
+    auto wood = leafcheck::read_cylinders(*qsm, &level);
     const bool no_ground = (ground && *ground == "none") || wood.empty();
+    if (shoots)
+      for (const leafcheck::Cylinder& c : leafcheck::read_cylinders(*shoots)) wood.push_back(c);
+    if (ground && *ground != "none") level = std::stod(*ground);
+    auto triangles = leafcheck::read_obj(*obj, rows ? leafcheck::count_rows(*rows) : 0);
+    if (petioles)
+      for (const leafcheck::Triangle& t : leafcheck::read_grouped_obj(*petioles)) triangles.push_back(t);
     const leafcheck::Verdict v = leafcheck::check(triangles, wood, no_ground ? nullptr : &level);
     std::printf("%zu leaves, %zu triangles, %zu cylinders\n", v.leaves, v.triangles, v.cylinders);
     std::printf(

@@ -144,6 +144,64 @@ const char* skip_blank(const char* p, const char* end) {
   return p;
 }
 
+struct Obj {
+  std::vector<std::array<double, 3>> vertices;
+  std::vector<std::array<std::size_t, 3>> faces;
+  std::vector<std::size_t> group;  // of each face: the N of the last `g leaf_N`, 0 before any
+
+  Triangle triangle(std::size_t face, std::size_t leaf) const {
+    Triangle t;
+    for (std::size_t k = 0; k < 3; ++k) t.corner[k] = vertices[faces[face][k]];
+    t.leaf = leaf;
+    return t;
+  }
+};
+
+Obj parse_obj(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw std::runtime_error(path.string() + ": cannot be read");
+  Obj obj;
+  std::string line;
+  std::size_t group = 0;
+  for (std::size_t number = 1; std::getline(in, line); ++number) {
+    const char* p = line.data();
+    const char* end = p + line.size();
+    if (line.rfind("v ", 0) == 0) {
+      std::array<double, 3> v{};
+      p += 1;
+      for (double& x : v) {
+        const auto [next, error] = std::from_chars(skip_blank(p, end), end, x);
+        if (error != std::errc() || !std::isfinite(x))
+          bad(path, number, "a vertex needs three finite numbers");
+        p = next;
+      }
+      obj.vertices.push_back(v);
+    } else if (line.rfind("f ", 0) == 0) {
+      std::vector<std::size_t> corner;
+      p = skip_blank(p + 1, end);
+      while (p < end && *p != '\r') {
+        std::size_t index = 0;
+        const auto [next, error] = std::from_chars(p, end, index);
+        if (error != std::errc() || index < 1 || index > obj.vertices.size())
+          bad(path, number, "no such vertex");
+        corner.push_back(index - 1);
+        p = next;
+        while (p < end && *p != ' ' && *p != '\t') ++p;
+        p = skip_blank(p, end);
+      }
+      if (corner.size() < 3) bad(path, number, "a face needs three vertices");
+      for (std::size_t k = 1; k + 1 < corner.size(); ++k) {
+        obj.faces.push_back({corner[0], corner[k], corner[k + 1]});
+        obj.group.push_back(group);
+      }
+    } else if (line.rfind("g leaf_", 0) == 0) {
+      const auto [next, error] = std::from_chars(p + 7, end, group);
+      if (error != std::errc() || group == 0) bad(path, number, "expected g leaf_N");
+    }
+  }
+  return obj;
+}
+
 }  // namespace
 
 bool meet(const Triangle& a, const Triangle& b) {
@@ -161,59 +219,32 @@ bool meets(const Triangle& triangle, const Cylinder& cylinder, std::size_t* doub
 }
 
 std::vector<Triangle> read_obj(const std::filesystem::path& path, std::size_t leaves) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw std::runtime_error(path.string() + ": cannot be read");
-  std::vector<std::array<double, 3>> vertices;
-  std::vector<std::array<std::size_t, 3>> faces;
-  std::string line;
-  for (std::size_t number = 1; std::getline(in, line); ++number) {
-    const char* p = line.data();
-    const char* end = p + line.size();
-    if (line.rfind("v ", 0) == 0) {
-      std::array<double, 3> v{};
-      p += 1;
-      for (double& x : v) {
-        const auto [next, error] = std::from_chars(skip_blank(p, end), end, x);
-        if (error != std::errc() || !std::isfinite(x))
-          bad(path, number, "a vertex needs three finite numbers");
-        p = next;
-      }
-      vertices.push_back(v);
-    } else if (line.rfind("f ", 0) == 0) {
-      std::vector<std::size_t> corner;
-      p = skip_blank(p + 1, end);
-      while (p < end && *p != '\r') {
-        std::size_t index = 0;
-        const auto [next, error] = std::from_chars(p, end, index);
-        if (error != std::errc() || index < 1 || index > vertices.size()) bad(path, number, "no such vertex");
-        corner.push_back(index - 1);
-        p = next;
-        while (p < end && *p != ' ' && *p != '\t') ++p;
-        p = skip_blank(p, end);
-      }
-      if (corner.size() < 3) bad(path, number, "a face needs three vertices");
-      for (std::size_t k = 1; k + 1 < corner.size(); ++k)
-        faces.push_back({corner[0], corner[k], corner[k + 1]});
-    }
-  }
-  std::vector<std::size_t> up(vertices.size());
+  const Obj obj = parse_obj(path);
+  std::vector<std::size_t> up(obj.vertices.size());
   for (std::size_t i = 0; i < up.size(); ++i) up[i] = i;
-  for (const auto& f : faces) {
+  for (const auto& f : obj.faces) {
     up[root_of(up, f[1])] = root_of(up, f[0]);
     up[root_of(up, f[2])] = root_of(up, f[0]);
   }
-  if (leaves > 0 && faces.size() % leaves != 0)
-    throw std::runtime_error(path.string() + ": " + std::to_string(faces.size()) + " triangles do not make " +
-                             std::to_string(leaves) + " leaves of one shape");
+  if (leaves > 0 && obj.faces.size() % leaves != 0)
+    throw std::runtime_error(path.string() + ": " + std::to_string(obj.faces.size()) +
+                             " triangles do not make " + std::to_string(leaves) + " leaves of one shape");
   std::vector<Triangle> triangles;
   std::map<std::size_t, std::size_t> leaf_of;
-  triangles.reserve(faces.size());
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    Triangle t;
-    for (std::size_t k = 0; k < 3; ++k) t.corner[k] = vertices[faces[i][k]];
-    t.leaf = leaves > 0 ? i / (faces.size() / leaves)
-                        : leaf_of.emplace(root_of(up, faces[i][0]), leaf_of.size()).first->second;
-    triangles.push_back(t);
+  triangles.reserve(obj.faces.size());
+  for (std::size_t i = 0; i < obj.faces.size(); ++i)
+    triangles.push_back(obj.triangle(
+        i, leaves > 0 ? i / (obj.faces.size() / leaves)
+                      : leaf_of.emplace(root_of(up, obj.faces[i][0]), leaf_of.size()).first->second));
+  return triangles;
+}
+
+std::vector<Triangle> read_grouped_obj(const std::filesystem::path& path) {
+  const Obj obj = parse_obj(path);
+  std::vector<Triangle> triangles;
+  for (std::size_t i = 0; i < obj.faces.size(); ++i) {
+    if (obj.group[i] == 0) throw std::runtime_error(path.string() + ": a face before any `g leaf_N`");
+    triangles.push_back(obj.triangle(i, obj.group[i] - 1));
   }
   return triangles;
 }

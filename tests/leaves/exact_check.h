@@ -42,6 +42,8 @@ struct Verdict {
 /// Triangles of an OBJ; a leaf is what hangs together by shared vertices, or, where `leaves` > 0, each run of
 /// (triangles / leaves). Throws std::runtime_error naming file and line.
 std::vector<Triangle> read_obj(const std::filesystem::path& path, std::size_t leaves = 0);
+/// Triangles of an OBJ whose groups `g leaf_N` name the leaf (from 1) they belong to: petioles.
+std::vector<Triangle> read_grouped_obj(const std::filesystem::path& path);
 /// Cylinders of a qsm.csv (columns by their names) and the lowest start of a root.
 std::vector<Cylinder> read_cylinders(const std::filesystem::path& path, double* ground = nullptr);
 /// Data rows of a CSV with a header.

@@ -23,39 +23,26 @@ namespace {
 using test::bush;
 using test::ScratchFolder;
 
-/// Writes tree and leaves, reads both back, and looks.
-leafcheck::Verdict check_written(const Tree& tree, const Foliage& foliage) {
+/// Writes tree and leaves (with petioles and added shoots where asked for), reads all back, and looks.
+leafcheck::Verdict check_written(const Tree& tree, const Foliage& foliage, bool with_petioles = false) {
   const ScratchFolder folder;
   write_qsm_csv(folder / "qsm.csv", tree);
   write_foliage_obj(folder / "leaves.obj", foliage);
   double ground = 0;
-  const auto wood = leafcheck::read_cylinders(folder / "qsm.csv", &ground);
+  auto wood = leafcheck::read_cylinders(folder / "qsm.csv", &ground);
   EXPECT_EQ(wood.size(), tree.size());
-  return leafcheck::check(leafcheck::read_obj(folder / "leaves.obj"), wood, &ground);
-}
-
-/// Blades and petioles together, and the shoots that were added, without files.
-leafcheck::Verdict check_with_petioles(const Tree& tree, const Foliage& foliage) {
-  std::vector<leafcheck::Triangle> triangles;
-  for (std::size_t i = 0; i < foliage.size(); ++i) {
-    TriangleMesh mesh;
-    foliage.append_blade(i, mesh);
-    foliage.append_petiole(i, mesh);
-    for (const auto& t : mesh.triangles) {
-      leafcheck::Triangle triangle;
-      triangle.leaf = i;
-      for (std::size_t k = 0; k < 3; ++k)
-        triangle.corner[k] = {mesh.vertices[t[k]].x(), mesh.vertices[t[k]].y(), mesh.vertices[t[k]].z()};
-      triangles.push_back(triangle);
-    }
+  if (!with_petioles) return leafcheck::check(leafcheck::read_obj(folder / "leaves.obj"), wood, &ground);
+  auto triangles = leafcheck::read_obj(folder / "leaves.obj", foliage.size());
+  write_petioles_obj(folder / "petioles.obj", foliage);
+  const auto petioles = leafcheck::read_grouped_obj(folder / "petioles.obj");
+  EXPECT_EQ(petioles.size(), 2 * foliage.size());
+  triangles.insert(triangles.end(), petioles.begin(), petioles.end());
+  if (!foliage.twigs.empty()) {
+    write_qsm_csv(folder / "shoots.csv", foliage.twigs);
+    const auto shoots = leafcheck::read_cylinders(folder / "shoots.csv");
+    wood.insert(wood.end(), shoots.begin(), shoots.end());
   }
-  std::vector<leafcheck::Cylinder> wood;
-  for (const Tree* part : {&tree, &foliage.twigs})
-    for (std::size_t i = 0; i < part->size(); ++i) {
-      const Vec3 &s = part->start[i], d = part->direction(i);
-      wood.push_back({{s.x(), s.y(), s.z()}, {d.x(), d.y(), d.z()}, part->length(i), part->radius[i]});
-    }
-  return leafcheck::check(triangles, wood, nullptr);
+  return leafcheck::check(triangles, wood, &ground);
 }
 
 void expect_clean(const leafcheck::Verdict& verdict, const std::string& what) {
@@ -74,7 +61,7 @@ TEST(WrittenLeaves, OfEverySpeciesMeetNothing) {
     const leafcheck::Verdict verdict = check_written(bush(), result.foliage);
     expect_clean(verdict, species);
     EXPECT_GT(verdict.leaf_boxes, 100U) << species;  // or nothing was looked at
-    expect_clean(check_with_petioles(bush(), result.foliage), species + " with petioles");
+    expect_clean(check_written(bush(), result.foliage, true), species + " with petioles");
   }
 }
 
@@ -85,7 +72,7 @@ TEST(WrittenLeaves, OfADenseCrownMeetNothing) {
   const leafcheck::Verdict verdict = check_written(bush(), result.foliage);
   expect_clean(verdict, "dense");
   EXPECT_GT(verdict.leaf_boxes, 40000U);
-  expect_clean(check_with_petioles(bush(), result.foliage), "dense, with petioles");
+  expect_clean(check_written(bush(), result.foliage, true), "dense, with petioles");
 }
 
 TEST(WrittenLeaves, WithCurvedBladesMeetNothing) {
@@ -121,7 +108,7 @@ TEST(WrittenLeaves, OnAddedShootsMeetNothing) {
   const LeafResult result = insert_leaves(tree, options);
   ASSERT_FALSE(result.foliage.twigs.empty());
   expect_clean(check_written(tree, result.foliage), "coarse");
-  expect_clean(check_with_petioles(tree, result.foliage), "coarse, with shoots");
+  expect_clean(check_written(tree, result.foliage, true), "coarse, with shoots");
 }
 
 TEST(WrittenLeaves, AMovedLeafIsCaught) {
@@ -136,6 +123,13 @@ TEST(WrittenLeaves, AMovedLeafIsCaught) {
   pushed = result.foliage;
   pushed.leaves[0].origin = bush().start[0] + Vec3(0, 0, 0.1);
   EXPECT_FALSE(check_written(bush(), pushed).wood_hits.empty());
+  // A stalk that starts on the other side of its twig.
+  pushed = result.foliage;
+  const auto node = static_cast<std::size_t>(pushed.leaves[0].node);
+  const Vec3 along = bush().direction(node), from_axis = pushed.leaves[0].petiole_foot - bush().start[node];
+  pushed.leaves[0].petiole_foot -= 2 * (from_axis - from_axis.dot(along) * along);
+  EXPECT_TRUE(check_written(bush(), pushed).clean());
+  EXPECT_FALSE(check_written(bush(), pushed, true).wood_hits.empty());
 }
 
 /// $DENDROFIT_LEAF_SEEDS seeds (default 3) with 5000 leaves on three cylinder models of real trees.
@@ -154,7 +148,7 @@ TEST(WrittenLeaves, OnRealTreesMeetNothing) {
       EXPECT_EQ(result.foliage.size(), 5000U);
       for (const LeafDistribution& d : result.report.distributions)
         EXPECT_GT(d.before.p_value, 0.05) << d.name;
-      const leafcheck::Verdict verdict = check_written(tree, result.foliage);
+      const leafcheck::Verdict verdict = check_written(tree, result.foliage, true);
       expect_clean(verdict, std::string(file) + " seed " + std::to_string(seed));
       EXPECT_EQ(verdict.leaves, 5000U);
     }

@@ -63,6 +63,39 @@ TEST(Render, KeepsProportions) {
   EXPECT_NEAR(static_cast<double>(s.width()) / s.height(), 0.25, 0.02);
 }
 
+TEST(Render, TheLegendOfManyOrdersStaysInANarrowPanel) {
+  Tree tree = post(0.02, 6);
+  for (int order = 1; order <= 8; ++order) {
+    TreeNode node;
+    node.start = Vec3(0, 0, 0.6 * order);
+    node.end = node.start + Vec3(0.05, 0, 0.05);
+    node.radius = 0.003;
+    node.parent = 0;
+    node.axis = node.order = order;
+    tree.add(node);
+  }
+  RenderOptions options = bare();
+  options.legend = true;
+  for (const int width : {160, 240, 400}) {
+    options.panel_width_px = width;
+    options.height_px = 700;
+    Panel panel;
+    panel.tree = &tree;
+    panel.tree_colour = TreeColour::order;
+    const Image image = render({&panel, 1}, options);
+    ASSERT_LE(image.width, width);
+    // Every order's swatch, whole, below the tree, and nothing at the picture's very edges.
+    for (const Rgb& colour : kOrderColours) {
+      int seen = 0;
+      for (int y = image.height * 5 / 6; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) seen += image.at(x, y) == colour;
+      EXPECT_GE(seen, 16) << width << ": " << hex(colour);
+    }
+    for (int y = image.height * 5 / 6; y < image.height; ++y)
+      for (const int x : {0, image.width - 1}) EXPECT_TRUE(image.at(x, y) == options.background) << width;
+  }
+}
+
 TEST(Render, EyeStandsWhereTheAngleSays) {
   Tree tree = post(0.05, 2);
   TreeNode east;

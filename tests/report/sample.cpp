@@ -143,6 +143,7 @@ Sample::Sample(std::size_t scan_points, std::size_t leaf_count) {
   data.warnings = {"The crown's top was seen from one side only: thin wood there is drawn by allometry.",
                    "<img src=x onerror=alert(1)> is only a file name"};
   data.provenance.version = "0.1.0";
+  data.provenance.seed = 1;
   data.provenance.command_line = "dendrofit run \"B\xc3\xa4ume <7>.las\" -o out";
   data.provenance.input_name = "B\xc3\xa4ume <7>.las";
   data.provenance.input_checksum = "crc32:00000000";

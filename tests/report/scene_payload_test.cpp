@@ -110,5 +110,39 @@ TEST(ScenePayload, ThinsTheScanEvenlyToItsLimit) {
   EXPECT_EQ(scene_payload(data, options).scan_shown, cloud.size());
 }
 
+TEST(ScenePayload, ShootsComeWithTheirLeavesAndOfVeryManyOnlySome) {
+  const Tree tree = test::branching_tree(3, 1, {486000.25, 5432000.5, 412.75});
+  Foliage foliage = test::diamond_leaves(tree, 50);
+  ReportData data;
+  data.model = &tree;
+  data.foliage = &foliage;
+  EXPECT_EQ(scene_payload(data, {}).directory.find("shoots"), std::string::npos);
+  foliage.twigs.origin_shift = tree.origin_shift;
+  const auto add_shoots = [&](int count) {
+    for (int k = 0; k < count; ++k) {
+      TreeNode node;
+      node.start = Vec3(0.001 * (k % 1000), 0, 2);
+      node.end = node.start + Vec3(0, 0.1, 0);
+      node.radius = 0.002;
+      node.axis = k;
+      const std::int32_t parent = foliage.twigs.add(node);
+      node.start = node.end;
+      node.end = node.start + Vec3(0, 0.1, 0.02);
+      node.parent = parent;
+      foliage.twigs.add(node);
+    }
+  };
+  add_shoots(30);
+  ScenePayload payload = scene_payload(data, {});
+  EXPECT_EQ(array_of<float>(payload, {"shoots", "radius"}).size(), 60U);
+  EXPECT_EQ(array_of<std::uint16_t>(payload, {"shoots", "ends", "data"}).size(), 360U);
+  EXPECT_EQ(array_of<std::uint16_t>(payload, {"leaves", "feet", "data"}).size(), 150U);
+  foliage.twigs = Tree();
+  foliage.twigs.origin_shift = tree.origin_shift;
+  add_shoots(50000);
+  payload = scene_payload(data, {});
+  EXPECT_EQ(array_of<float>(payload, {"shoots", "radius"}).size(), 50000U);  // every other shoot, whole
+}
+
 }  // namespace
 }  // namespace dendrofit

@@ -33,8 +33,13 @@ async function canvasPixels(page) {
   }, png);
 }
 
+/// Until the picture is at rest: all of it drawn.
 const settle = (page) => page.evaluate(() => new Promise((done) => {
-  requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 60)));
+  const wait = () => {
+    if (document.getElementById('viewer').dataset.moving === 'yes') setTimeout(wait, 50);
+    else requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 60)));
+  };
+  setTimeout(wait, 20);
 }));
 
 const checks = {
@@ -97,6 +102,7 @@ const checks = {
     await page.mouse.move(frame.x + 0.7 * frame.width, frame.y + 0.45 * frame.height, { steps: 4 });
     await page.mouse.up();
     await settle(page);
+    assert.equal(await page.locator('#viewer').getAttribute('data-detail'), '1', 'at rest all of it is drawn');
     const turned = await canvasPixels(page);
     assert.notEqual(turned.hash, before.hash, 'turning');
     await page.mouse.wheel(0, -400);

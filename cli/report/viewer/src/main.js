@@ -6,7 +6,8 @@ import {
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { button, checkbox, element, legend, select } from './controls.js';
 import { place, readScene } from './data.js';
-import { ground, leafMeshes, scanPoints } from './others.js';
+import { Detail } from './detail.js';
+import { ground, leafMeshes, scanPoints, shootMesh } from './others.js';
 import { Wood } from './wood.js';
 
 function extentOf(set) {
@@ -35,6 +36,7 @@ function start(host) {
   const camera = new PerspectiveCamera(32, 1, 0.01, 1000);
   camera.up.set(0, 0, 1);
   const orbit = new OrbitControls(camera, renderer.domElement);
+  let dragged = false;
   orbit.enableDamping = false;
 
   // Three places in a row (scan, model, regrown tree), or all on the same foot.
@@ -58,6 +60,10 @@ function start(host) {
     const bearer = spot[layers.leaves_on];
     bearer.group.add(parts.leaves);
     bearer.box.union(extentOf(layers.leaves.origins));
+    if (layers.shoots) {
+      parts.shoots = shootMesh(layers.shoots, colours.bark);
+      parts.leaves.add(parts.shoots);
+    }
   }
   const present = spots.filter((s) => !s.box.isEmpty());
   const whole = new Box3();
@@ -81,13 +87,15 @@ function start(host) {
     due = true;
     requestAnimationFrame(() => {
       due = false;
-      renderer.render(scene, camera);
+      detail.frame(() => renderer.render(scene, camera));
+      host.dataset.moving = detail.moving ? 'yes' : 'no';
+      host.dataset.detail = String(detail.shown);
       host.dataset.frames = String(Number(host.dataset.frames ?? 0) + 1);
     });
   };
-  const resize = () => {
+  const resize = (factor = 1) => {
     const { clientWidth: width, clientHeight: height } = stage;
-    renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    renderer.setPixelRatio(factor * Math.min(window.devicePixelRatio, 2));
     renderer.setSize(width, height, false);
     camera.aspect = width / Math.max(1, height);
     camera.updateProjectionMatrix();
@@ -95,6 +103,7 @@ function start(host) {
     for (const wood of [parts.model, parts.regrown]) if (wood) wood.pixel.value = (2 * Math.tan((0.5 * camera.fov * Math.PI) / 180)) / Math.max(1, height);
     draw();
   };
+  const detail = new Detail(renderer, Object.values(parts), resize, draw);
   const look = (from) => {
     const middle = whole.getCenter(new Vector3());
     const size = whole.getSize(new Vector3());
@@ -114,7 +123,12 @@ function start(host) {
     draw();
   };
   const slanted = new Vector3(0, -0.985, 0.17);
-  orbit.addEventListener('change', draw);
+  orbit.addEventListener('start', () => { dragged = true; });
+  orbit.addEventListener('end', () => { dragged = false; });
+  orbit.addEventListener('change', () => {
+    if (dragged) detail.moved();
+    draw();
+  });
 
   const bar = element('div', { class: 'bar', id: 'layers', role: 'group', 'aria-label': 'Layers' });
   const toggle = (key, words, object, checked = true) => {
@@ -225,7 +239,7 @@ function start(host) {
   });
 
   host.replaceChildren(bar, stage, key, ...(growth.childElementCount ? [growth] : []));
-  new ResizeObserver(resize).observe(stage);
+  new ResizeObserver(() => resize(detail.factor)).observe(stage);
   resize();
   if (parts.model || parts.regrown) paint('order');
   look(slanted);

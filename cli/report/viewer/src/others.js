@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The scan's points, the leaves, the ground.
 import {
-  BufferAttribute, BufferGeometry, Color, GridHelper, Group, InstancedMesh, Matrix4, Mesh,
-  MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, Points, ShaderMaterial, Vector3,
+  BufferAttribute, BufferGeometry, Color, CylinderGeometry, GridHelper, Group, InstancedMesh, LineBasicMaterial, LineSegments, Matrix4, Mesh,
+  MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, Points, Quaternion, ShaderMaterial, Vector3,
 } from 'three';
 import { place } from './data.js';
+
+const UP = new Vector3(0, 1, 0);
 
 /// Quantised positions go to the graphics card as they are; the object's scale turns steps into metres.
 export function scanPoints(set, colour, height) {
@@ -33,6 +35,13 @@ export function scanPoints(set, colour, height) {
   points.position.fromArray(set.lo);
   points.scale.fromArray(set.step);
   points.frustumCulled = false;
+  // Points come in random order: the first of them are an even sample. Fewer are drawn larger.
+  points.setDetail = (share) => {
+    const count = set.data.length / 3;
+    const shown = Math.min(count, Math.max(20000, Math.round(share * count)));
+    geometry.setDrawRange(0, shown);
+    material.uniforms.size.value = 0.012 * Math.min(2.5, Math.sqrt(count / Math.max(1, shown)));
+  };
   return points;
 }
 
@@ -46,6 +55,7 @@ function leafGeometry(shape) {
 
 export function leafMeshes(data, colour) {
   const group = new Group();
+  const blades = [];
   const at = [0, 0, 0];
   const direction = new Vector3();
   const normal = new Vector3();
@@ -70,8 +80,53 @@ export function leafMeshes(data, colour) {
     });
     mesh.frustumCulled = false;
     group.add(mesh);
+    blades.push([mesh, members.length]);
   });
+  // Leaves come in random order, as the points do.
+  group.setDetail = (share) => {
+    for (const [mesh, count] of blades) mesh.count = Math.min(count, Math.max(2000, Math.round(share * count)));
+    stalks.visible = share > 0.5;
+  };
+  const stalks = petioles(data, colour);
+  group.add(stalks);
   return group;
+}
+
+/// What leaves stand on where the model ends coarser than twigs. Never thicker than it is: it would hide the leaves.
+export function shootMesh(data, colour) {
+  const geometry = new CylinderGeometry(1, 1, 1, 4, 1, true);
+  geometry.translate(0, 0.5, 0);
+  const count = data.radius.length;
+  const mesh = new InstancedMesh(geometry, new MeshLambertMaterial({ color: colour, side: 2 }), count);
+  const a = new Vector3();
+  const along = new Vector3();
+  const at = [0, 0, 0];
+  const matrix = new Matrix4();
+  const turn = new Quaternion();
+  for (let i = 0; i < count; ++i) {
+    a.fromArray(place(data.ends, 2 * i, at));
+    along.fromArray(place(data.ends, 2 * i + 1, at)).sub(a);
+    const length = Math.max(along.length(), 1e-6);
+    turn.setFromUnitVectors(UP, along.divideScalar(length));
+    mesh.setMatrixAt(i, matrix.compose(a, turn, new Vector3(data.radius[i], length, data.radius[i])));
+  }
+  mesh.frustumCulled = false;
+  mesh.setDetail = (share) => { mesh.visible = share > 0.5; };
+  return mesh;
+}
+
+function petioles(data, colour) {
+  const ends = new Float32Array(6 * data.shape.length);
+  const at = [0, 0, 0];
+  for (let k = 0; k < data.shape.length; ++k) {
+    ends.set(place(data.feet, k, at), 6 * k);
+    ends.set(place(data.origins, k, at), 6 * k + 3);
+  }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(ends, 3));
+  const lines = new LineSegments(geometry, new LineBasicMaterial({ color: new Color(colour).multiplyScalar(0.75) }));
+  lines.frustumCulled = false;
+  return lines;
 }
 
 /// A pale floor with a grid whose cells are a metre (or a round part or multiple of it).

@@ -29,10 +29,16 @@ export class Wood {
   }
 
   build() {
-    const geometry = new CylinderGeometry(1, 1, 1, 9, 1, true);
-    geometry.translate(0, 0.5, 0);
     this.taper = new InstancedBufferAttribute(new Float32Array(2 * this.count), 2);
-    geometry.setAttribute('taper', this.taper);
+    const cylinder = (sides) => {
+      const geometry = new CylinderGeometry(1, 1, 1, sides, 1, true);
+      geometry.translate(0, 0.5, 0);
+      geometry.setAttribute('taper', this.taper);
+      return geometry;
+    };
+    this.fine = cylinder(9);
+    this.coarse = cylinder(4);
+    const geometry = this.fine;
     const material = new MeshLambertMaterial({ side: 2 });
     this.pixel = { value: 0.001 };  // metres a pixel at one metre's distance
     // The mesh's unit radius is stretched to the cylinder's own at each end, or to most of a pixel where that is more:
@@ -69,6 +75,11 @@ export class Wood {
     }
     mesh.frustumCulled = false;
     return mesh;
+  }
+
+  /// Fewer sides while there is little time; never fewer cylinders.
+  setDetail(share) {
+    this.mesh.geometry = share < 0.5 ? this.coarse : this.fine;
   }
 
   applyRadii() {

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fit/fit_search.h"
+
+#include "fit/cmaes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace dendrofit {
+namespace {
+
+constexpr double kSearchedShrinkage = 0.1;
+constexpr double kBeyond = 0.25;       // of the interval's width is searched on either side of it
+constexpr double kInitialStep = 0.17;  // of the box: about one posterior sd
+constexpr double kSettled = 0.02;
+constexpr std::size_t kBestTried = 2;
+constexpr std::array kNeverSearched = {"shape", "pipe_exponent", "tip_share", "tau",
+                                       "alpha", "sigma",         "b_min",     "b_rise"};
+
+/// sd of a uniform prior on the unit interval
+const double kUniform = 1 / std::sqrt(12.0);
+
+}  // namespace
+
+Eigen::VectorXd SearchBox::full(const Eigen::VectorXd& inner) const {
+  Eigen::VectorXd point = elsewhere;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    point[rows[k]] = lo[i] + inner[i] * (hi[i] - lo[i]);
+  }
+  return point;
+}
+
+Eigen::VectorXd SearchBox::inner(const Eigen::VectorXd& full) const {
+  Eigen::VectorXd point(lo.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    point[i] = std::clamp((full[rows[k]] - lo[i]) / (hi[i] - lo[i]), 0.0, 1.0);
+  }
+  return point;
+}
+
+SearchBox search_box(const FitProblem& problem, const PosteriorSample& posterior) {
+  SearchBox box;
+  box.elsewhere = Eigen::VectorXd::Constant(problem.space.size(), 0.5);
+  std::vector<double> lo, hi;
+  for (Eigen::Index i = 0; i < problem.space.size(); ++i) {
+    const std::string_view key = problem.space.rows()[static_cast<std::size_t>(i)].key;
+    const Eigen::VectorXd values = posterior.unit.col(i);
+    if (!posterior.is_prior) box.elsewhere[i] = weighted_quantile(values, posterior.weights, 0.5);
+    const bool never = std::find(kNeverSearched.begin(), kNeverSearched.end(), key) != kNeverSearched.end();
+    if (never || problem.space.fixed(i)) continue;
+    const double sd = weighted_deviation(values, posterior.weights);
+    if (!posterior.is_prior && key != "size" && sd > (1 - kSearchedShrinkage) * kUniform) continue;
+    double from = 0, to = 1;
+    if (!posterior.is_prior) {
+      from = weighted_quantile(values, posterior.weights, 0.01);
+      to = weighted_quantile(values, posterior.weights, 0.99);
+      const double more = std::max(0.02, kBeyond * (to - from));
+      from = std::max(0.0, from - more);
+      to = std::min(1.0, to + more);
+    }
+    box.rows.push_back(i);
+    lo.push_back(from);
+    hi.push_back(to);
+  }
+  box.lo = Eigen::Map<const Eigen::VectorXd>(lo.data(), static_cast<Eigen::Index>(lo.size()));
+  box.hi = Eigen::Map<const Eigen::VectorXd>(hi.data(), static_cast<Eigen::Index>(hi.size()));
+  return box;
+}
+
+std::vector<double> note(const UnitPoints& points, const Eigen::MatrixXd& rows, int seeds,
+                         const NoiseMetric& metric, std::vector<Tried>& tried, TreeFit& fit) {
+  std::vector<double> costs;
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const Eigen::MatrixXd own = rows.middleRows(static_cast<Eigen::Index>(p) * seeds, seeds);
+    costs.push_back(metric.cost(own));
+    tried.push_back({points[p], own.colwise().mean().transpose(), costs.back()});
+    fit.cost_history.push_back(
+        std::min(costs.back(), fit.cost_history.empty() ? costs.back() : fit.cost_history.back()));
+  }
+  fit.evaluations += static_cast<int>(points.size());
+  return costs;
+}
+
+Eigen::VectorXd search(const FitProblem& problem, const NoiseMetric& metric, const SearchBox& box,
+                       SimulationLog& log, std::vector<Tried>& tried, TreeFit& fit, Progress& progress) {
+  const FitOptions& options = problem.options;
+  Cmaes cmaes(box.inner(box.elsewhere), {.initial_step = kInitialStep, .seed = options.seed});
+  progress.begin("searching parameters", std::max(0, options.evaluations - fit.evaluations), "trees");
+  fit.stop_reason = fmt::format("the budget of {} parameter sets is spent", options.evaluations);
+  while (fit.evaluations + cmaes.population() <= options.evaluations) {
+    if (problem.out_of_time(log)) {
+      fit.stop_reason = fmt::format("the time of {} s is spent", *options.seconds);
+      break;
+    }
+    UnitPoints generation;
+    for (const Eigen::VectorXd& inner : cmaes.ask()) generation.push_back(box.full(inner));
+    const auto key = kSearchKeys + static_cast<std::uint64_t>(fit.evaluations);
+    const Eigen::MatrixXd rows = problem.run(generation, options.seeds, key, log, progress);
+    cmaes.tell(note(generation, rows, options.seeds, metric, tried, fit));
+    if (options.on_checkpoint) options.on_checkpoint(log.bytes(problem.seconds(log)));
+    progress.remark(fmt::format("distance {:.2f}", fit.cost_history.back()));
+    if (cmaes.converged(kSettled)) {
+      fit.converged = true;
+      fit.stop_reason = "the search has settled: its steps are below 2 % of every range";
+      break;
+    }
+  }
+  progress.end();
+  return box.full(cmaes.mean());
+}
+
+Judged judge(const FitProblem& problem, const NoiseMetric& metric, UnitPoints finalists,
+             std::vector<Tried> tried, std::uint64_t first_key, SimulationLog& log, Progress& progress) {
+  std::stable_sort(tried.begin(), tried.end(),
+                   [](const Tried& a, const Tried& b) { return a.cost < b.cost; });
+  for (std::size_t i = 0; i < std::min(kBestTried, tried.size()); ++i) finalists.push_back(tried[i].point);
+  progress.begin("judging on fresh seeds", static_cast<double>(finalists.size()), "trees");
+  const Eigen::MatrixXd rows = problem.run(finalists, kJudgingSeeds, first_key, log, progress);
+  progress.end();
+  Judged best;
+  for (std::size_t i = 0; i < finalists.size(); ++i) {
+    const Eigen::MatrixXd own = rows.middleRows(static_cast<Eigen::Index>(i) * kJudgingSeeds, kJudgingSeeds);
+    const double cost = metric.cost(own);
+    if (i == 0 || cost < best.cost)
+      best = {finalists[i], own, cost, first_key + i, problem.setting.observed.internode_length_m};
+  }
+  return best;
+}
+
+Judged settle_scale(const FitProblem& problem, const NoiseMetric& metric, Judged best, Progress& progress) {
+  if (problem.options.internode_length_m) return best;
+  const auto internodes = static_cast<Eigen::Index>(descriptor_row("internodes"));
+  double height = 0;
+  for (const double log_height : best.simulations.col(internodes))
+    height += std::exp(log_height) / kJudgingSeeds;
+  const DirectEstimates& direct = problem.setting.observed;
+  const double ratio = std::clamp(direct.size_internodes / height, 0.6, 1.6);
+  if (!std::isfinite(ratio)) return best;
+  // Shapes do not depend on the internode length, but the diameter at 1.3 m, and so the radii, do.
+  FitProblem scaled = problem;
+  scaled.space.set_internode_length(direct.internode_length_m * ratio);
+  SimulationLog own(0);  // other trees under the same keys
+  Eigen::MatrixXd simulations = scaled.run({best.point}, kJudgingSeeds, best.key, own, progress);
+  simulations.col(internodes).array() += std::log(ratio);  // counted in the convention's internodes
+  const double cost = metric.cost(simulations);
+  if (cost >= best.cost) return best;
+  return {best.point, simulations, cost, best.key, direct.internode_length_m * ratio};
+}
+
+double seed_floor(const Eigen::MatrixXd& simulations, const NoiseMetric& metric) {
+  double sum = 0;
+  for (Eigen::Index i = 0; i < simulations.rows(); ++i) {
+    Eigen::MatrixXd others(simulations.rows() - 1, simulations.cols());
+    others << simulations.topRows(i), simulations.bottomRows(simulations.rows() - 1 - i);
+    sum += metric.cost(others, simulations.row(i).transpose());
+  }
+  return sum / static_cast<double>(simulations.rows());
+}
+
+int nearest_simulation(const Eigen::MatrixXd& simulations, const NoiseMetric& metric) {
+  int best = 0;
+  for (int i = 1; i < simulations.rows(); ++i)
+    if (metric.cost(simulations.row(i)) < metric.cost(simulations.row(best))) best = i;
+  return best;
+}
+
+}  // namespace dendrofit

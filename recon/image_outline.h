@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A mask's outline as a signed distance field: what carving and measuring in the picture ask of a mask.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace dendrofit {
+
+/// Distance to the outline in pixels, negative inside the mask; the outline runs midway between a pixel of
+/// the mask and its neighbour outside. Kept in steps of 1/16 pixel, up to 2,047 pixels.
+class Outline {
+ public:
+  /// Non-zero bytes are the mask, rows from the top. Throws InputError for sizes that do not agree.
+  Outline(const std::vector<std::uint8_t>& mask, int width, int height);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  bool holds(const Eigen::Vector2d& pixel) const {
+    return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= width_ && pixel.y() <= height_;
+  }
+  /// Bilinear between pixel centres (the first lies at 0.5, 0.5); beyond the frame the least it can be.
+  double at(const Eigen::Vector2d& pixel) const;
+  /// Whether the pixel lies beyond a side of the frame that the mask touches: the tree may go on there.
+  bool unknown(const Eigen::Vector2d& pixel) const {
+    return (touches_left_ && pixel.x() < 0) || (touches_right_ && pixel.x() > width_) ||
+           (touches_top_ && pixel.y() < 0) || (touches_bottom_ && pixel.y() > height_);
+  }
+  bool inside(int column, int row) const { return distance_[index(column, row)] < 0; }
+  std::size_t area_px() const { return area_px_; }
+  /// Middle of the mask's pixels and the largest distance of one from there; area_px() > 0.
+  Eigen::Vector2d middle() const { return middle_; }
+  double reach_px() const { return reach_px_; }
+  bool touches_top() const { return touches_top_; }
+  bool touches_sides() const { return touches_left_ || touches_right_; }
+
+ private:
+  std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(column);
+  }
+  int width_ = 0, height_ = 0;
+  std::vector<std::int16_t> distance_;
+  std::size_t area_px_ = 0;
+  Eigen::Vector2d middle_ = Eigen::Vector2d::Zero();
+  double reach_px_ = 0;
+  bool touches_top_ = false, touches_bottom_ = false, touches_left_ = false, touches_right_ = false;
+};
+
+}  // namespace dendrofit
