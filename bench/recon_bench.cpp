@@ -169,6 +169,8 @@ Row judge(const std::string& name, const PointCloud& cloud, double read_seconds,
   }
   score_intervals(r.metrics, right, row);
   v[cpu_all] = 0;
+  std::fprintf(stderr, "%s: leafy places %.3f, straight paths %.3f;", name.c_str(), r.leafy_share,
+               r.straight_share);
   for (const StageTime& s : r.stages) {
     v[cpu_all] += s.cpu_seconds;
     if (s.stage == "neighbours") v[cpu_neighbours] = s.cpu_seconds;

@@ -63,7 +63,6 @@ class Grow : public Command {
     write_file(folder / "params.toml", igm_parameters_toml(parameters, {}));
     write_file(folder / "run.toml", run_record(session, inputs()));
     report(session, growth, metrics, each, folder);
-    say_trees(session, each);
     return 0;
   }
 
@@ -140,13 +139,6 @@ class Grow : public Command {
       each.push_back(tree.empty() ? TreeMetrics() : measure(tree));
     }
     return each;
-  }
-
-  static void say_trees(const Session& session, std::span<const TreeMetrics> each) {
-    for (std::size_t i = 0; i < each.size(); ++i)
-      session.say(fmt::format("  tree {:<6} height {:.2f} m, DBH {}, wood {:.4g} m3", i + 1, each[i].height_m,
-                              each[i].dbh_m ? fmt::format("{:.1f} cm", 100 * *each[i].dbh_m) : "none",
-                              each[i].total_volume_m3));
   }
 
   static void report(const Session& session, const IgmGrowth& growth, const TreeMetrics& metrics,

@@ -41,26 +41,29 @@ std::string views_json(const ViewsReconstruction& result) {
     for (int r = 0; r < 3; ++r)
       pose.push_back({result.cameras[v].rotation(r, 0), result.cameras[v].rotation(r, 1),
                       result.cameras[v].rotation(r, 2), result.cameras[v].translation[r]});
-    views.push_back({{"file", quality.name},
-                     {"used", quality.used},
-                     {"mask_explained", quality.explained_share},
-                     {"mask_covered", quality.covered_share},
-                     {"offset_px", std::isfinite(quality.offset_px) ? Json(quality.offset_px) : Json(nullptr)},
-                     {"camera_from_local", pose}});
+    views.push_back(
+        {{"file", quality.name},
+         {"used", quality.used},
+         {"mask_explained", quality.explained_share},
+         {"mask_covered", quality.covered_share},
+         {"offset_px", std::isfinite(quality.offset_px) ? Json(quality.offset_px) : Json(nullptr)},
+         {"camera_from_local", pose}});
   }
   return Json{{"tolerance_px", result.tolerance_px},
               {"cell_m", result.cell_m},
               {"poses_refined", result.poses_refined},
               {"shadow_cylinders_dropped", result.shadows},
               {"origin",
-               {result.surface.origin_shift.x(), result.surface.origin_shift.y(), result.surface.origin_shift.z()}},
+               {result.surface.origin_shift.x(), result.surface.origin_shift.y(),
+                result.surface.origin_shift.z()}},
               {"views", views}}
              .dump(2) +
          "\n";
 }
 
 void write_views_reconstruction(const std::filesystem::path& folder, const ViewSet& set,
-                                const ViewsReconstruction& result, const std::vector<std::string>& mesh_formats) {
+                                const ViewsReconstruction& result,
+                                const std::vector<std::string>& mesh_formats) {
   write_reconstruction(folder, result.model, mesh_formats);
   write_file(folder / "views.json", views_json(result));
   write_point_cloud(folder / "surface.ply", result.surface);
@@ -80,9 +83,10 @@ void say_views_reconstruction(const Session& session, const ViewsReconstruction&
     sum += view.covered_share;
     ++used;
   }
-  session.say(fmt::format("  views       {:.0f} of {} used; the tree covers {:.0f} % of their masks (least {:.0f} %){}", used,
-                          result.views.size(), 100 * sum / std::max(1.0, used), 100 * least,
-                          result.poses_refined ? "; poses refined" : ""));
+  session.say(fmt::format(
+      "  views       {:.0f} of {} used; the tree covers {:.0f} % of their masks (least {:.0f} %){}", used,
+      result.views.size(), 100 * sum / std::max(1.0, used), 100 * least,
+      result.poses_refined ? "; poses refined" : ""));
 }
 
 }  // namespace dendrofit::cli

@@ -12,14 +12,15 @@
 
 namespace dendrofit::cli {
 
-/// Views read, ready for reconstruct_views: with a unit of length from `height_m` where they have none. Throws
-/// UsageError for a height that contradicts cameras with a unit.
+/// Views read, ready for reconstruct_views: with a unit of length from `height_m` where they have none.
+/// Throws UsageError for a height that contradicts cameras with a unit.
 ViewSet scaled_views(ViewSet set, const std::optional<double>& height_m, Progress& progress);
 
-/// A scan's files (qsm.csv, metrics.json, reconstruction.json, meshes), and views.json, surface.ply (the carved
-/// surface) and overlays/NAME.png: the tree drawn over each photograph.
+/// A scan's files (qsm.csv, metrics.json, reconstruction.json, meshes), and views.json, surface.ply (the
+/// carved surface) and overlays/NAME.png: the tree drawn over each photograph.
 void write_views_reconstruction(const std::filesystem::path& folder, const ViewSet& set,
-                                const ViewsReconstruction& result, const std::vector<std::string>& mesh_formats);
+                                const ViewsReconstruction& result,
+                                const std::vector<std::string>& mesh_formats);
 std::string views_json(const ViewsReconstruction& result);
 void say_views_reconstruction(const Session& session, const ViewsReconstruction& result);
 

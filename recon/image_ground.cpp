@@ -132,30 +132,38 @@ int follow_stem_down(const Photograph& photo, const StemCrossing& stem, std::vec
     const std::uint8_t l = label.at<std::uint8_t>(y, x);
     return l == cv::GC_FGD || l == cv::GC_PR_FGD;
   };
-  int first = stem.first, last = stem.last, foot = stem.row;
-  double usual = width;
+  // Row by row: the run of wood over where the rows above lead. Where what is behind looks like bark, rows
+  // are carried on as the stem comes down, until it stands out again.
+  double usual = width, at = middle, lean = stem.slope;
+  const int patience = std::max(8 * width, photo.height / 20);
+  int foot = stem.row;
   std::vector<StemRow> rows;
-  for (int row = stem.row + 1; row < photo.height; ++row) {
-    // The longest run that overlaps the row above.
+  for (int row = stem.row + 1; row < photo.height && row - foot <= patience; ++row) {
+    at += lean;
     int best_first = 0, best_last = -1;
-    for (int x = std::max(left, first - width / 2); x <= std::min(right - 1, last + width / 2); ++x) {
+    for (int x = std::max(left, static_cast<int>(at - 0.75 * usual));
+         x <= std::min(right - 1, static_cast<int>(at + 0.75 * usual)); ++x) {
       if (!is_wood(x, row)) continue;
-      int to = x;
+      int from = x, to = x;
       while (to + 1 < right && is_wood(to + 1, row)) ++to;
-      int from = x;
       while (from > left && is_wood(from - 1, row)) --from;
-      if (to >= first && from <= last && to - from > best_last - best_first)
-        best_first = from, best_last = to;
+      if (to - from > best_last - best_first) best_first = from, best_last = to;
       x = to;
     }
-    const int run = best_last - best_first + 1;
-    if (run < std::max(1.0, 0.25 * usual) || run > 2.2 * usual) break;
-    first = best_first;
-    last = best_last;
-    usual = 0.95 * usual + 0.05 * run;
-    rows.push_back({row, first, last});
-    foot = row;
+    const double run = best_last - best_first + 1, centre = 0.5 * (best_first + best_last);
+    if (run > 0.5 * usual && run < 1.6 * usual + 2 && std::abs(centre - at) < 0.5 * usual + 1) {
+      lean += 0.01 * (centre - at);
+      at += 0.3 * (centre - at);
+      usual += 0.05 * (run - usual);
+      rows.push_back({row, best_first, best_last});
+      foot = row;
+    } else {
+      const int first = static_cast<int>(std::lround(at - 0.5 * (usual - 1)));
+      rows.push_back(
+          {row, std::max(0, first), std::min(photo.width - 1, first + static_cast<int>(usual) - 1)});
+    }
   }
+  while (!rows.empty() && rows.back().row > foot) rows.pop_back();
   write_rows(photo, rows, tree);
   return foot;
 }

@@ -18,8 +18,8 @@ struct StemCrossing {
 
 /// Adds to `tree` the stem's pixels below its crossing, found by GrabCut (Rother, Kolmogorov & Blake 2004) at
 /// half size in a strip about the stem: wood above the horizon and a corridor down the stem are its seeds.
-/// Rows are followed downwards while the stem stays narrower than 2.2 times its width; returns the row of its
-/// foot (the crossing's row where nothing was found).
+/// Where the background looks like bark (a treeline) the stem is carried on straight for up to eight widths.
+/// Returns the row of its foot (the crossing's row where nothing was found).
 int follow_stem_down(const Photograph& photo, const StemCrossing& stem, std::vector<std::uint8_t>& tree);
 
 }  // namespace dendrofit

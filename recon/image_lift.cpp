@@ -68,9 +68,10 @@ class Lifter {
     return d.norm() > 0 ? Eigen::Vector2d(d.normalized()) : Eigen::Vector2d(0, 1);
   }
 
-  /// The direction, in the plane, of an axis over its first part; of its bearer where it leaves.
+  /// The direction, in the plane, of an axis over its first quarter; of its bearer where it leaves.
   Eigen::Vector2d leaving_direction(const Axis& axis) const {
-    const std::size_t last = std::min<std::size_t>(axis.nodes.size() - 1, 4);
+    const std::size_t n = axis.nodes.size();
+    const std::size_t last = std::max(std::min<std::size_t>(n - 1, 4), n / 4);
     return flat_direction(static_cast<std::size_t>(axis.nodes[0]),
                           static_cast<std::size_t>(axis.nodes[last]));
   }
@@ -105,19 +106,33 @@ class Lifter {
     return static_cast<std::size_t>(std::clamp(height / std::max(top_, 1e-9), 0.0, 1.0) * kBands);
   }
 
-  /// cos of the opening angle by order: the 90th percentile of the angles seen.
+  /// cos of the opening angle by order: the 90th percentile, by length, of the angles seen. Axes of a few
+  /// nodes only tell the pixel grid's directions; beyond 80 degrees lie branches that turn away, not
+  /// openings.
   void measure_opening() {
-    std::map<std::int32_t, std::vector<double>> seen;
-    for (const Axis& axis : axis_list_)
-      if (axis.parent_node >= 0)
-        seen[axis.order].push_back(
-            std::acos(std::clamp(leaving_direction(axis).dot(bearer_direction(axis)), -1.0, 1.0)));
-    for (auto& [order, angles] : seen) {
-      double angle = options_.opening_angle_deg * std::numbers::pi / 180;
-      if (angles.size() >= 8) {
-        auto at = angles.begin() + static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(angles.size() - 1));
-        std::nth_element(angles.begin(), at, angles.end());
-        angle = std::min(*at, 0.5 * std::numbers::pi);
+    struct Seen {
+      double angle, length;
+      bool operator<(const Seen& o) const { return angle < o.angle; }
+    };
+    constexpr std::size_t shortest = 8, fewest = 8;
+    constexpr double degree = std::numbers::pi / 180;
+    std::map<std::int32_t, std::vector<Seen>> seen;
+    for (const Axis& axis : axis_list_) {
+      if (axis.parent_node < 0) continue;
+      auto& list = seen[axis.order];
+      if (axis.nodes.size() < shortest) continue;
+      const double cosine = leaving_direction(axis).dot(bearer_direction(axis));
+      list.push_back({std::acos(std::clamp(cosine, -1.0, 1.0)), axis.length});
+    }
+    for (auto& [order, list] : seen) {
+      double angle = options_.opening_angle_deg * degree;
+      if (list.size() >= fewest) {
+        std::sort(list.begin(), list.end());
+        double total = 0, below = 0;
+        for (const Seen& s : list) total += s.length;
+        std::size_t k = 0;
+        while (k + 1 < list.size() && (below += list[k].length) < 0.9 * total) ++k;
+        angle = std::clamp(list[k].angle, 15 * degree, 80 * degree);
       }
       cosine_[order] = std::cos(angle);
     }

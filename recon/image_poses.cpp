@@ -74,10 +74,9 @@ Camera refine(const Tree& tree, const Sightings& sightings, const Camera& camera
       ++count;
     }
   if (count < kFewestSightings) return camera;
-  problem.AddResidualBlock(
-      new ceres::AutoDiffCostFunction<Prior, 6, 6>(
-          new Prior{options.turn_doubt_deg * std::numbers::pi / 180, options.shift_doubt_m}),
-      nullptr, move.data());
+  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, 6, 6>(new Prior{
+                               options.turn_doubt_deg * std::numbers::pi / 180, options.shift_doubt_m}),
+                           nullptr, move.data());
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_QR;
   solver.max_num_iterations = 30;
@@ -101,12 +100,14 @@ Camera refine(const Tree& tree, const Sightings& sightings, const Camera& camera
 }  // namespace
 
 void PoseOptions::validate() const {
-  require(std::isfinite(turn_doubt_deg) && turn_doubt_deg > 0, "turn_doubt_deg", turn_doubt_deg, "must be positive");
-  require(std::isfinite(shift_doubt_m) && shift_doubt_m > 0, "shift_doubt_m", shift_doubt_m, "must be positive");
+  require(std::isfinite(turn_doubt_deg) && turn_doubt_deg > 0, "turn_doubt_deg", turn_doubt_deg,
+          "must be positive");
+  require(std::isfinite(shift_doubt_m) && shift_doubt_m > 0, "shift_doubt_m", shift_doubt_m,
+          "must be positive");
 }
 
-std::vector<Camera> refine_poses(const Tree& tree, const Sightings& sightings, const std::vector<Camera>& cameras,
-                                 const PoseOptions& options) {
+std::vector<Camera> refine_poses(const Tree& tree, const Sightings& sightings,
+                                 const std::vector<Camera>& cameras, const PoseOptions& options) {
   options.validate();
   std::vector<Camera> refined = cameras;
   parallel_blocks(cameras.size(), 1, options.threads, [&](std::size_t first, std::size_t end) {

@@ -19,8 +19,8 @@ struct PoseOptions {
 
 /// Turns and shifts each camera (six parameters, Ceres, Cauchy loss) so that the tree's axes project on the
 /// middles of their stretches of mask. Views with too few sightings stay as they are.
-std::vector<Camera> refine_poses(const Tree& tree, const Sightings& sightings, const std::vector<Camera>& cameras,
-                                 const PoseOptions& options = {});
+std::vector<Camera> refine_poses(const Tree& tree, const Sightings& sightings,
+                                 const std::vector<Camera>& cameras, const PoseOptions& options = {});
 
 /// Median distance, in pixels, of each view's stretches from the projected axes; NaN where it has none.
 std::vector<double> median_offsets_px(const Sightings& sightings, std::size_t views);

@@ -67,7 +67,9 @@ double median(std::vector<double> values) {
 /// radius = scale * beyond^exponent through the measured cylinders, in logarithms.
 struct Relation {
   double scale = 0, exponent = 0.5;
-  double at(double beyond) const { return std::max(kTwigRadius, scale * std::pow(std::max(beyond, 0.01), exponent)); }
+  double at(double beyond) const {
+    return std::max(kTwigRadius, scale * std::pow(std::max(beyond, 0.01), exponent));
+  }
 };
 
 Relation relation(const Tree& tree, const std::vector<double>& beyond) {
@@ -183,7 +185,8 @@ void settle_radii_from_views(Tree& tree, const Sightings& sightings) {
     for (double& r : radii) r = std::abs(r - middle);
     const double spread = std::hypot(1.4826 * median(radii), kEdgeDoubt / px_per_m);
     tree.radius[i] = middle;
-    tree.radius_se[i] = std::hypot(1.25 * spread / std::sqrt(static_cast<double>(radii.size())), 0.01 * middle);
+    tree.radius_se[i] =
+        std::hypot(1.25 * spread / std::sqrt(static_cast<double>(radii.size())), 0.01 * middle);
     tree.quality[i] = RadiusQuality::measured;
     weight[i] = 1 / (tree.radius_se[i] * tree.radius_se[i]);
   }

@@ -153,42 +153,36 @@ void bound_branches(PlaneSkeleton& skeleton) {
   }
 }
 
-/// Counts the pieces of lines, and the share of the silhouette about them, that no grown edge reaches.
-void count_dropped(const LineImage& lines, const PlaneGraph& graph, const std::vector<GrownEdge>& order,
+/// Counts the pieces of lines that no grown edge reaches, and the share of the silhouette about them. `dots`
+/// are pieces of one pixel.
+void count_dropped(const PlaneGraph& graph, const std::vector<GrownEdge>& order, std::size_t dots,
                    PlaneSkeleton& result) {
-  std::vector<char> grown(graph.edges.size(), 0);
-  for (const GrownEdge& g : order) grown[static_cast<std::size_t>(g.edge)] = 1;
-  double kept = 0, lost = 0;
-  for (std::size_t e = 0; e < graph.edges.size(); ++e) {
-    if (!graph.edges[e].alive) continue;
-    double area = 0;
-    for (const float r : graph.edges[e].radius) area += 2 * r;
-    (grown[e] ? kept : lost) += area;
-  }
-  std::vector<char> seen(graph.vertex.size(), 0);
+  double kept = 0, lost = static_cast<double>(dots);
+  result.dropped_pieces = dots;
+  std::vector<char> seen(graph.edges.size(), 0);
   std::vector<std::int32_t> stack;
-  const auto flood = [&](std::int32_t from) {
-    stack.assign(1, from);
-    seen[static_cast<std::size_t>(from)] = 1;
+  const auto area_with = [&](std::int32_t start) {
+    double area = 0;
+    stack.assign(1, start);
+    seen[static_cast<std::size_t>(start)] = 1;
     while (!stack.empty()) {
-      const std::int32_t v = stack.back();
+      const PlaneGraph::Edge& edge = graph.edges[static_cast<std::size_t>(stack.back())];
       stack.pop_back();
-      for (const std::int32_t e : graph.at[static_cast<std::size_t>(v)]) {
-        const std::int32_t w = graph.edges[static_cast<std::size_t>(e)].other(v);
-        if (seen[static_cast<std::size_t>(w)]) continue;
-        seen[static_cast<std::size_t>(w)] = 1;
-        stack.push_back(w);
-      }
+      for (const float r : edge.radius) area += 2 * r;
+      for (const std::int32_t v : {edge.a, edge.b})
+        for (const std::int32_t e : graph.at[static_cast<std::size_t>(v)])
+          if (!seen[static_cast<std::size_t>(e)]) {
+            seen[static_cast<std::size_t>(e)] = 1;
+            stack.push_back(e);
+          }
     }
+    return area;
   };
-  if (!order.empty()) flood(order.front().from);
-  for (std::size_t v = 0; v < graph.vertex.size(); ++v) {
-    const auto x = static_cast<int>(graph.vertex[v].x()), y = static_cast<int>(graph.vertex[v].y());
-    const bool lone = graph.at[v].empty() && lines.inside(x, y) && lines.on[lines.at(x, y)];
-    if (seen[v] || (graph.at[v].empty() && !lone)) continue;
-    if (lone) lost += 1;
+  if (!order.empty()) kept = area_with(order.front().edge);
+  for (std::size_t e = 0; e < graph.edges.size(); ++e) {
+    if (!graph.edges[e].alive || seen[e]) continue;
+    lost += area_with(static_cast<std::int32_t>(e));
     ++result.dropped_pieces;
-    flood(static_cast<std::int32_t>(v));
   }
   result.dropped_share = kept + lost > 0 ? lost / (kept + lost) : 0;
 }
@@ -215,6 +209,8 @@ PlaneSkeleton skeletonise(const Silhouette& silhouette, const ImageSkeletonOptio
   PlaneSkeleton result;
   result.joined_pieces = join_pieces(lines, options.gap_px, options.gap_radii, options.gap_turn_deg);
   PlaneGraph graph = trace(lines);
+  const auto dots = static_cast<std::size_t>(
+      std::count_if(graph.at.begin(), graph.at.end(), [](const auto& edges) { return edges.empty(); }));
   drop_spurs(graph, options.spur_radii);
   const std::int32_t root = find_root(graph, lines, options.root_px);
   const Passes passes = find_passes(graph, root, options.crossing_turn_deg);
@@ -222,7 +218,7 @@ PlaneSkeleton skeletonise(const Silhouette& silhouette, const ImageSkeletonOptio
   const std::vector<GrownEdge> order = grow_order(graph, root, passes);
 
   const std::vector<char> main = main_edges(graph, order);
-  count_dropped(lines, graph, order, result);
+  count_dropped(graph, order, dots, result);
 
   NodeWriter writer(silhouette, graph, options.node_spacing_px, result);
   std::vector<std::int32_t> last(order.size(), -1);

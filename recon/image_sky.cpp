@@ -285,6 +285,11 @@ std::optional<SkyRatio> find_sky(const Photograph& photo) {
   return result;
 }
 
+std::optional<double> clear_horizon(const SkyRatio& sky) {
+  if (sky.horizon_share > 0.5 && sky.median_horizon < 0.98 * sky.height) return sky.median_horizon;
+  return std::nullopt;
+}
+
 double luminance(const Photograph& photo, std::size_t pixel) {
   return 0.299 * photo.rgb[3 * pixel] + 0.587 * photo.rgb[3 * pixel + 1] + 0.114 * photo.rgb[3 * pixel + 2];
 }

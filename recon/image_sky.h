@@ -27,6 +27,10 @@ struct SkyRatio {
 /// sky's own unevenness. None where the top of the picture is nothing like a smooth bright sky.
 std::optional<SkyRatio> find_sky(const Photograph& photo);
 
+/// Row of the horizon in the middle of the picture; none where most columns show none, or it is not in the
+/// picture.
+std::optional<double> clear_horizon(const SkyRatio& sky);
+
 /// Luminance (Rec. 601) of a pixel.
 double luminance(const Photograph& photo, std::size_t pixel);
 

@@ -14,6 +14,46 @@ constexpr double k95 = 1.96;
 constexpr double kCommonShare = 0.012;  // of every radius: sections are no circles
 constexpr double kCommonNoise = 0.25;   // of the noise: what its correction may be off by
 
+/// The points of a limb between `low` and `high` metres along `direction` from `middle`, seen along it.
+std::vector<Eigen::Vector2d> flatten(const std::vector<Vec3>& points, const Limb& limb, const Vec3& middle,
+                                     const Vec3& direction, double low, double high) {
+  Vec3 u, v;
+  plane_frame(direction, u, v);
+  std::vector<Eigen::Vector2d> flat;
+  for (const LimbNode& n : limb.nodes) {
+    if (std::abs(n.centre.z() - middle.z()) > 0.5) continue;
+    for (const std::uint32_t p : n.points) {
+      const Vec3 d = points[p] - middle;
+      const double along = d.dot(direction);
+      if (along >= low && along <= high) flat.emplace_back(d.dot(u), d.dot(v));
+    }
+  }
+  return flat;
+}
+
+/// How much the diameters of thin slices about a height disagree, once taper is taken off.
+double slice_scatter(const std::vector<Vec3>& points, const Limb& limb, const Vec3& middle,
+                     const Vec3& direction, const CircleFit& about, double noise) {
+  constexpr int kSlices = 5;
+  constexpr double kSlice_m = 0.12;
+  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
+  for (int k = 0; k < kSlices; ++k) {
+    const double x = (k - kSlices / 2) * kSlice_m;
+    CircleFit start;
+    start.ok = true;
+    start.radius = about.radius;
+    start.centre = about.centre;
+    const CircleFit fit = robust_circle(
+        flatten(points, limb, middle, direction, x - 0.5 * kSlice_m, x + 0.5 * kSlice_m), start, noise);
+    if (!fit.ok || fit.inliers < 8 || std::abs(fit.radius - about.radius) > 0.3 * about.radius) continue;
+    const double d = 2 * fit.radius;
+    n += 1, sx += x, sy += d, sxx += x * x, sxy += x * d, syy += d * d;
+  }
+  if (n < 4) return 0;
+  const double vx = sxx - sx * sx / n, cxy = sxy - sx * sy / n, vy = syy - sy * sy / n;
+  return std::sqrt(std::max(0.0, vy - cxy * cxy / vx) / (n - 2));
+}
+
 std::optional<SliceDiameter> slice_of(const std::vector<Vec3>& points, const Limb& limb, double z,
                                       double noise) {
   std::size_t at = 0;
@@ -28,28 +68,20 @@ std::optional<SliceDiameter> slice_of(const std::vector<Vec3>& points, const Lim
   const Vec3 direction = direction_at(limb, at);
   if (direction.z() < 0.3) return std::nullopt;
   const Vec3 middle = node.centre + direction * ((z - node.centre.z()) / direction.z());
-  Vec3 u, v;
-  plane_frame(direction, u, v);
   std::vector<Eigen::Vector2d> flat;
-  for (double half = 0.1; half < 0.31 && flat.size() < 40; half += 0.1) {
-    flat.clear();
-    for (const LimbNode& n : limb.nodes) {
-      if (std::abs(n.centre.z() - z) > 0.5) continue;
-      for (const std::uint32_t p : n.points) {
-        const Vec3 d = points[p] - middle;
-        if (std::abs(d.dot(direction)) <= half) flat.emplace_back(d.dot(u), d.dot(v));
-      }
-    }
-  }
+  for (double half = 0.1; half < 0.31 && flat.size() < 40; half += 0.1)
+    flat = flatten(points, limb, middle, direction, -half, half);
   CircleFit start;
   start.ok = true;
   start.radius = node.radius_m;
-  CircleFit fit = robust_circle(flat, start, std::max(0.5 * noise, 0.02 * node.radius_m));
+  const double about = std::max(0.5 * noise, 0.02 * node.radius_m);
+  CircleFit fit = robust_circle(flat, start, about);
   if (!fit.ok || fit.coverage < 0.3 || fit.inliers < 12 || 2 * fit.inliers < flat.size() ||
       std::abs(fit.radius - node.radius_m) > 0.3 * node.radius_m || fit.radius < 2 * noise)
     return std::nullopt;
   const double radius = fit.radius - std::min(fit.rms * fit.rms, noise * noise) / (2 * fit.radius);
-  return SliceDiameter{2 * radius, 2 * fit.radius_se, fit.coverage};
+  return SliceDiameter{2 * radius, 2 * fit.radius_se, fit.coverage,
+                       slice_scatter(points, limb, middle, direction, fit, about)};
 }
 
 }  // namespace

@@ -118,7 +118,8 @@ TreeMetrics photo_metrics(const Tree& tree, const OutlineMetrics& outline, const
   return m;
 }
 
-void tell_scale(const PictureFrame& frame, const Silhouette& silhouette, std::vector<std::string>& warnings) {
+void tell_scale(const PictureFrame& frame, const Silhouette& silhouette, const OutlineMetrics& outline,
+                std::vector<std::string>& warnings) {
   if (frame.scale_source == "none") warnings.push_back("no scale: lengths in tree heights");
   if (frame.scale_source == "eye height")
     warnings.push_back(
@@ -126,6 +127,16 @@ void tell_scale(const PictureFrame& frame, const Silhouette& silhouette, std::ve
         "%; give --height or --scale-bar for better");
   if (!frame.known_camera && frame.scale_source != "none" && !silhouette.horizon_px)
     warnings.push_back("no horizon found: the camera is taken to be held upright");
+  const double heights = frame.distance_m / std::max(1e-9, outline.height);
+  if (heights < 1.6) {
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "taken from %.1f tree heights away: a top that leans to or from the camera changes the scale by "
+        "about %.0f %%; two heights away are better",
+        heights, 100 * perspective_error(outline, frame));
+    warnings.push_back(text);
+  }
 }
 
 void tell_skeleton(const PlaneSkeleton& skeleton, std::vector<std::string>& warnings) {

@@ -31,7 +31,8 @@ TreeMetrics photo_metrics(const Tree& tree, const OutlineMetrics& outline, const
                           const Silhouette& silhouette, double dbh_height_m, bool metric);
 
 /// Sentences for the user.
-void tell_scale(const PictureFrame& frame, const Silhouette& silhouette, std::vector<std::string>& warnings);
+void tell_scale(const PictureFrame& frame, const Silhouette& silhouette, const OutlineMetrics& outline,
+                std::vector<std::string>& warnings);
 void tell_skeleton(const PlaneSkeleton& skeleton, std::vector<std::string>& warnings);
 
 }  // namespace dendrofit

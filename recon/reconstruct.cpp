@@ -10,6 +10,7 @@
 #include "recon/mend.h"
 #include "recon/preprocess.h"
 #include "recon/radii.h"
+#include "recon/scan_intervals.h"
 #include "recon/sections.h"
 #include "recon/skeleton.h"
 
@@ -102,7 +103,8 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   Paths paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);
   clock.mark("paths");
 
-  const WoodLeaf verdict = separate_leaves(scan.points, graph, paths, {}, progress);
+  WoodLeaf verdict;
+  if (options.leaves_possible) verdict = separate_leaves(scan.points, graph, paths, {}, progress);
   result.leaf_on = verdict.leaves_present;
   result.leafy_share = verdict.leafy_share;
   result.straight_share = verdict.straight_share;
@@ -156,6 +158,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   if (result.tree.empty()) throw SolverError("no wood could be followed from the stem's foot upwards");
   result.metrics = measure(result.tree, MetricsOptions{.dbh_height_m = options.dbh_height_m});
   result.metrics.wood_share = result.wood_share;
+  std::optional<SliceDiameter> breast_height;
   if (result.metrics.dbh_m) {
     const double breast = tree_feet.front().position.z() + options.dbh_height_m;
     const std::optional<SliceDiameter> slice = slice_diameter(scan.points, limbs, breast, result.noise_m);
@@ -166,10 +169,10 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
                                 " % of the girth");
     if (!slice)
       result.warnings.push_back("no clear circle at breast height: the diameter there is interpolated");
-    estimate_intervals(result.tree, slice, result.noise_m, graph.typical_spacing_m, result.metrics);
-  } else {
-    estimate_intervals(result.tree, std::nullopt, result.noise_m, graph.typical_spacing_m, result.metrics);
+    breast_height = slice;
   }
+  estimate_scan_intervals(result.tree, breast_height, how_well_seen(limbs, result.leaf_on), result.noise_m,
+                          graph.typical_spacing_m, result.metrics);
   for (const Section& s : sections) result.bridged_gaps += s.after_gap;
   clock.mark("tree");
   return result;

@@ -3,6 +3,7 @@
 
 #include "core/errors.h"
 #include "recon/image_lift.h"
+#include "recon/image_sky.h"
 #include "recon/photo_metrics.h"
 
 #include <cmath>
@@ -21,6 +22,8 @@ PhotoReconstruction reconstruct_photo(const Photograph& photo, const Reconstruct
   PhotoReconstruction result;
   progress.begin("silhouette", 0, "pixels");
   result.silhouette = find_silhouette(photo, {.root_px = options.root_px});
+  if (result.silhouette.from_mask && !options.camera)  // the picture still tells how the camera was held
+    if (const auto sky = find_sky(photo)) result.silhouette.horizon_px = clear_horizon(*sky);
   const Silhouette& silhouette = result.silhouette;
   result.warnings = silhouette.warnings;
   progress.end();
@@ -47,7 +50,7 @@ PhotoReconstruction reconstruct_photo(const Photograph& photo, const Reconstruct
                              .horizon_px = silhouette.horizon_px});
   result.metric = result.frame.scale_source != "none";
   result.outline = measure_outline(silhouette, outline, result.skeleton, result.frame);
-  tell_scale(result.frame, silhouette, result.warnings);
+  tell_scale(result.frame, silhouette, result.outline, result.warnings);
   if (silhouette.leafy) return result;
 
   result.tree = lift(result.skeleton, result.frame,

@@ -18,12 +18,14 @@
 namespace dendrofit {
 namespace {
 
-constexpr double kMaskTolerance = 0.7;  // pixels: half a pixel, and some blur
-constexpr std::array<double, 3> kLooser{1.5, 2.5, 4.0};
-constexpr int kRefinements = 2;  // with new carving
-constexpr int kAdjustments = 4;  // of tree and poses in turn, without
-constexpr double kReachPx = 4;   // how far beside an axis its stretch of mask is looked for
-constexpr double kGoodShare = 0.95;
+constexpr double kMaskTolerance = 0.7;              // pixels: half a pixel, and some blur
+constexpr std::array<double, 2> kLooser{1.3, 3.3};  // pixels more
+constexpr int kRefinements = 2;                     // with new carving
+constexpr int kAdjustments = 4;                     // of tree and poses in turn, without
+constexpr double kReachPx = 4;         // how far beside an axis its stretch of mask is looked for
+constexpr double kGoodShare = 0.92;    // of each mask explained: the poses need no refinement
+constexpr double kMuchLost = 0.05;     // of the masks, by a tight carving
+constexpr double kWorthwhile = 0.005;  // more of the masks explained: refined poses are kept
 
 /// What the reconstruction works on: the views in use.
 struct Work {
@@ -62,6 +64,13 @@ PointCloud surface_of(const Hull& hull, const Work& work, const Vec3& origin_shi
   return cloud;
 }
 
+/// The surface's tree. It is wood all over: masks hold no leaves.
+Reconstruction tree_of(const PointCloud& surface, const ViewsOptions& options, Progress& progress) {
+  ReconstructOptions wood = options.cloud;
+  wood.leaves_possible = false;
+  return reconstruct(surface, wood, progress);
+}
+
 /// Views that look at a tree from few sides need all of them to agree.
 int least_support(std::size_t views) {
   return static_cast<int>(std::min<std::size_t>(3, views));
@@ -82,49 +91,50 @@ std::vector<Camera> adjust(Tree tree, const Work& work, const ViewsOptions& opti
   return cameras;
 }
 
-/// Carves with the poses as told; where they turn out to be off, leaves out a view that contradicts the
-/// others, refines the poses on the tree of a looser carving, and keeps what explains more of the masks.
-Agreement settle_poses(Work& work, const ViewSet& set, const ViewsOptions& options, CarveOptions carving,
-                       ViewsReconstruction& result, Progress& progress) {
+/// Leaves out the views that contradict the others, and says so.
+bool drop_odd_views(Work& work, const ViewSet& set, const CarveOptions& carving, ViewsReconstruction& result,
+                    Progress& progress) {
+  const std::vector<OddView> odd = find_odd_views(work.cameras, work.outlines, carving, progress);
+  for (auto one = odd.rbegin(); one != odd.rend(); ++one) {
+    const std::size_t view = work.of[one->view];
+    result.views[view].used = false;
+    result.views[view].explained_share = one->explained;
+    result.model.warnings.push_back(odd_view_warning(set, view, one->explained, one->missing));
+    work.drop(one->view);
+  }
+  return !odd.empty();
+}
+
+/// Carves with the poses as told. Where the masks are not explained well, leaves out views that contradict
+/// the others, refines the poses on the tree of a looser carving, and keeps what explains more of the masks.
+Agreement settle_poses(Work& work, const ViewSet& set, const ViewsOptions& options,
+                       const CarveOptions& carving, ViewsReconstruction& result, Progress& progress) {
   Agreement best = agreement(work.cameras, work.outlines, carving, progress);
+  if (best.least() >= kGoodShare) return best;
+  if (drop_odd_views(work, set, carving, result, progress))
+    best = agreement(work.cameras, work.outlines, carving, progress);
   if (best.least() >= kGoodShare || !options.refine_poses) return best;
   Agreement loose = best;
-  CarveOptions wider = carving;
-  const double tight = carving.tolerance_px;
-  for (const double tolerance : kLooser) {
-    if (loose.good() && loose.mean() >= kGoodShare) break;
-    if (tolerance <= tight) continue;
-    wider.tolerance_px = tolerance;
+  for (const double looser : kLooser) {
+    if (loose.mean() >= kGoodShare) break;
+    CarveOptions wider = carving;
+    wider.tolerance_px += looser;
     loose = agreement(work.cameras, work.outlines, wider, progress);
   }
-  if (!loose.good()) {
-    if (const auto odd = find_odd_view(work.cameras, work.outlines, wider, progress)) {
-      const std::size_t view = work.of[odd->view];
-      result.views[view].used = false;
-      result.views[view].explained_share = odd->own_share;
-      result.model.warnings.push_back(odd_view_warning(set, view, odd->own_share));
-      work.drop(odd->view);
-      return settle_poses(work, set, options, carving, result, progress);
-    }
-  }
-  for (int round = 0; round < kRefinements; ++round) {
-    const Tree rough = in_frame_of(reconstruct(surface_of(loose.hull, work, set.origin_shift), options.cloud, progress).tree, set.origin_shift);
+  for (int round = 0; round < kRefinements && !loose.hull.cells.empty(); ++round) {
+    const Reconstruction rough = tree_of(surface_of(loose.hull, work, set.origin_shift), options, progress);
     Work tried = work;
-    tried.cameras = adjust(rough, work, options, progress);
+    tried.cameras = adjust(in_frame_of(rough.tree, set.origin_shift), work, options, progress);
     Agreement now = agreement(tried.cameras, tried.outlines, carving, progress);
-    if (now.mean() <= best.mean()) break;
+    if (now.mean() <= best.mean() + kWorthwhile) break;
     work.cameras = tried.cameras;
     result.poses_refined = true;
-    best = loose = std::move(now);
-    if (best.mean() >= kGoodShare) break;
+    best = now;
+    loose = std::move(now);
+    if (best.least() >= kGoodShare) break;
   }
-  // What the tight tolerance loses a wider one finds again.
-  for (const double tolerance : kLooser) {
-    if (best.good() || tolerance <= tight) break;
-    wider.tolerance_px = tolerance;
-    best = agreement(work.cameras, work.outlines, wider, progress);
-  }
-  return best;
+  // A fatter hull is worth it only where the tight one loses much.
+  return loose.mean() > best.mean() + kMuchLost ? loose : best;
 }
 
 /// Drops what too few views support, and settles axes and radii on the pictures.
@@ -133,21 +143,15 @@ Tree settle_on_views(Tree tree, const Work& work, const ViewsOptions& options, V
   const auto sight = [&](double reach) {
     return sight_cylinders(tree, work.cameras, work.outlines, reach, options.cloud.threads, progress);
   };
+  const std::size_t carved = tree.size();
   for (int round = 0; round < 2; ++round) {
-    const std::vector<char> keep = supported(tree, sight(kReachPx), least_support(work.cameras.size()));
-    const std::size_t before = tree.size();
-    tree = subset(tree, keep);
-    result.shadows += before - tree.size();
-    if (!getenv("NORED")) {
-    const std::vector<char> needed = needed_by_views(tree, work.cameras, options.cloud.threads);
-    const std::size_t b4 = tree.size();
-    tree = subset(tree, needed);
-    result.shadows += b4 - tree.size();
+    tree = subset(tree, supported(tree, sight(kReachPx), least_support(work.cameras.size())));
+    tree = subset(tree, needed_by_views(tree, work.cameras, options.cloud.threads));
     assign_axes_by_thickness(tree);
-    }
+    if (round == 0) result.shadows = carved - tree.size();
     centre_on_views(tree, sight(kReachPx));
     settle_radii_from_views(tree, sight(0.5 * kReachPx));
-    if (round == 0 && !getenv("NOTIP")) extend_tips(tree, work.cameras, work.outlines);
+    if (round == 0) extend_tips(tree, work.cameras, work.outlines);
   }
   assign_axes_by_thickness(tree);
   return tree;
@@ -186,9 +190,10 @@ ViewsReconstruction reconstruct_views(const ViewSet& set, const ViewsOptions& op
   if (!agreed.good()) result.model.warnings.push_back(disagreement_warning(set, work.of, agreed.shares));
   result.tolerance_px = agreed.tolerance_px;
   result.cell_m = agreed.hull.cell_m;
+  if (result.cell_m > 3 * carving.cell_m) result.model.warnings.push_back(coarse_warning(result.cell_m));
 
   result.surface = surface_of(agreed.hull, work, set.origin_shift);
-  Reconstruction carved = reconstruct(result.surface, options.cloud, progress);
+  Reconstruction carved = tree_of(result.surface, options, progress);
   Tree tree = settle_on_views(in_frame_of(carved.tree, set.origin_shift), work, options, result, progress);
 
   const Sightings seen =

@@ -32,7 +32,7 @@ struct ViewQuality {
 
 struct ViewsReconstruction {
   Reconstruction model;
-  PointCloud surface;  ///< of the carved space, above the foot; in the set's frame
+  PointCloud surface;              ///< of the carved space, above the foot; in the set's frame
   std::vector<ViewQuality> views;  ///< as many as the set's
   std::vector<Camera> cameras;     ///< of the set's views, refined where that made them better
   double tolerance_px = 0;         ///< the masks were carved with

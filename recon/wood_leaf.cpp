@@ -145,6 +145,8 @@ void WoodLeafOptions::validate() const {
           "must not be negative");
   require(leaf_on_share >= 0 && leaf_on_share <= 1, "leaf_on_share", leaf_on_share,
           "must lie between 0 and 1");
+  require(doubtful_share >= 0 && doubtful_share <= leaf_on_share, "doubtful_share", doubtful_share,
+          "must lie between 0 and leaf_on_share");
   require(straight_share >= 0 && straight_share <= 1, "straight_share", straight_share,
           "must lie between 0 and 1");
 }
@@ -162,7 +164,8 @@ WoodLeaf separate_leaves(const std::vector<Vec3>& points, const PointGraph& grap
   const double straight_enough = straight_as_wood(evidence, paths);
   result.straight_share = share_of_straight(paths, evidence, straight_enough - 0.5 * kLessStraight);
   result.leaves_present =
-      result.leafy_share > options.leaf_on_share && result.straight_share < options.straight_share;
+      result.leafy_share > options.leaf_on_share ||
+      (result.leafy_share > options.doubtful_share && result.straight_share < options.straight_share);
   if (!result.leaves_present) return result;
 
   const std::vector<std::uint32_t> wood =
@@ -176,7 +179,7 @@ WoodLeaf separate_leaves(const std::vector<Vec3>& points, const PointGraph& grap
   }
   const Neighbors nearest_path(places);
   const std::vector<float> spread = spread_across(places, nearest_path, std::max(0.06, 3 * spacing));
-  const double least = std::max(0.01, 0.8 * spacing);
+  const double least = std::max(0.006, 0.4 * spacing);
   std::vector<Neighbor> found;
   for (const std::uint32_t u : paths.order) {
     if (paths.parent[u] == Paths::kNone) continue;  // the foot itself

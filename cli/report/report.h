@@ -101,7 +101,7 @@ struct ReportData {
 
 struct ReportOptions {
   int max_scan_points = 700'000;  ///< in the 3-D view
-  int max_leaves = 150'000;       ///< in the 3-D view
+  int max_leaves = 120'000;       ///< in the 3-D view
   void validate() const;
 };
 

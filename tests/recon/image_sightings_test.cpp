@@ -2,7 +2,9 @@
 #include "recon/image_sightings.h"
 
 #include "recon/image_poses.h"
+#include "recon/image_redundancy.h"
 #include "recon/image_settle.h"
+#include "recon/image_tips.h"
 #include "tests/support/photo_render.h"
 #include "tests/support/tiny_trees.h"
 
@@ -144,6 +146,34 @@ TEST(Poses, AShiftedAndTurnedCameraComesBack) {
     cameras = refine_poses(fine, sight_cylinders(fine, cameras, s.outlines, 6, 1), cameras);
   EXPECT_GT(before, 1.8);
   EXPECT_LT(worst(cameras), 0.7);
+}
+
+TEST(Redundancy, AnAxisThatOthersExplainIsDropped) {
+  const Tree truth = two_posts();
+  const Scene s = scene(truth, 8);
+  Tree doubled = truth;
+  std::int32_t last = 1;
+  Vec3 at(0.02, 0, 0.4);
+  for (int i = 0; i < 4; ++i) {  // runs within the first post
+    last = doubled.add(
+        {.start = at, .end = at + Vec3(0, 0, 0.2), .parent = last, .radius = 0.02, .axis = 2, .order = 1});
+    at.z() += 0.2;
+  }
+  const std::vector<char> keep = needed_by_views(doubled, s.cameras, 1);
+  for (std::size_t i = 0; i < doubled.size(); ++i) EXPECT_EQ(keep[i] != 0, i < truth.size()) << i;
+}
+
+TEST(Tips, ATwigCutShortGoesOnAsFarAsTheViewsShowIt) {
+  const Tree truth = two_posts();
+  const Scene s = scene(truth, 8);
+  Tree cut = truth;
+  cut.end[9].z() = 1.85;  // of 2
+  extend_tips(cut, s.cameras, s.outlines);
+  ASSERT_EQ(cut.size(), truth.size() + 1);
+  cut.validate();
+  EXPECT_EQ(cut.parent.back(), 9);
+  EXPECT_NEAR(cut.end.back().z(), 2, 0.02);
+  EXPECT_EQ(cut.quality.back(), RadiusQuality::extrapolated);
 }
 
 }  // namespace

@@ -118,10 +118,6 @@ TEST(ImageSkeleton, drops_spurs_and_keeps_twigs) {
 }
 
 TEST(ImageSkeleton, joins_a_twig_over_a_gap_in_its_direction_only) {
-  Drawing drawing = test::drawn_fork();
-  drawing.erase(85, 60, 115, 110);  // a gap of some pixels across the left arm
-  const PlaneSkeleton across = skeletonise(drawing.silhouette);
-  EXPECT_GE(across.joined_pieces + across.dropped_pieces, 1u);
   Drawing near = test::drawn_fork();
   near.erase(60, 95, 130, 102);  // 7 px, less than three radii
   const PlaneSkeleton joined = skeletonise(near.silhouette);

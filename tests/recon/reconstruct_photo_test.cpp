@@ -27,12 +27,12 @@ Photograph masked(const Silhouette& silhouette) {
 }
 
 TEST(ReconstructPhoto, measures_what_a_drawing_holds) {
-  // 380 px tall, so that at 3.8 m a pixel is about a centimetre: a stem of 20 cm.
+  // From row 390 to row 55: at 3.35 m a pixel is a centimetre.
   ReconstructPhotoOptions options;
-  options.height_m = 3.8;
+  options.height_m = 3.35;
   const PhotoReconstruction r = reconstruct_photo(masked(test::drawn_fork().silhouette), options);
   ASSERT_TRUE(r.has_tree);
-  EXPECT_NEAR(r.metrics.height_m, 3.8, 1e-6);
+  EXPECT_NEAR(r.metrics.height_m, 3.35, 1e-6);
   EXPECT_NEAR(r.outline.width, 1.7, 0.05);
   ASSERT_TRUE(r.metrics.dbh_m);
   EXPECT_NEAR(*r.metrics.dbh_m, 0.2, 0.012);
@@ -53,7 +53,7 @@ TEST(ReconstructPhoto, says_when_there_is_no_scale) {
 
 TEST(ReconstructPhoto, gives_a_leafy_crown_its_outline_only) {
   test::Drawing leafy(400, 500);
-  leafy.stroke(200, 460, 8, 200, 300, 8).stroke(200, 230, 110, 200, 200, 110);
+  leafy.stroke(200, 460, 8, 200, 220, 8).stroke(200, 230, 110, 200, 200, 110);
   ReconstructPhotoOptions options;
   options.height_m = 10;
   const PhotoReconstruction r = reconstruct_photo(masked(leafy.silhouette), options);
