@@ -46,7 +46,7 @@ void look(const std::vector<Vec3>& points, const Limb& limb, std::size_t node, d
 }
 
 Spread spread_of(const std::vector<Eigen::Vector2d>& flat, std::vector<double>& scratch) {
-  constexpr double kFarthest = 8;  // medians of the squared distance; noise alone leaves 0.4 % beyond
+  constexpr double kFarthest = 6;  // medians of the squared distance; noise alone leaves 2 % beyond
   Spread spread;
   if (flat.size() < kFewestPoints) return spread;
   double limit = 1e300;
