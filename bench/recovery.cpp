@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How well known growth parameters come back: trees are grown from them, handed over as they are (arm a),
 // without the wood a scan does not show (b), or virtually scanned and reconstructed (c), and fitted blind.
-// usage: recovery BANK TABLE.csv [--arm a|b|c] [--truths N] [--first I] [--age] [--search SETS] [--baselines]
+// usage: recovery BANK TABLE.csv [--arm a|b|c|h] [--truths N] [--first I] [--age] [--search SETS]
 // One line a truth and parameter goes to TABLE.csv as it is worked out; a second run goes on where the table
 // ends. The summary goes to standard output.
 #include "core/errors.h"
@@ -22,6 +22,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/recovery_held_out.h"
 #include "bench/recovery_truth.h"
 #include <fmt/format.h>
 #include <fmt/ostream.h>
@@ -178,6 +179,19 @@ void run(const Settings& settings) {
   std::ifstream in(settings.bank, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};
   const auto bank = std::make_shared<const PriorBank>(decode_bank(bytes, settings.bank));
+  if (settings.arm == 'h') {  // no table: it takes seconds
+    for (std::size_t level = 0; level < kVisibleShares.size(); ++level)
+      for (const double errors : {0.0, 1.0}) {
+        std::printf("\nvisible share %g, %s\n\n", kVisibleShares[level],
+                    errors > 0 ? "with a scan's errors" : "without error");
+        std::vector<Line> lines;
+        for (const HeldOut& l : held_out_posteriors(*bank, settings.truths, level, errors))
+          lines.push_back(
+              {l.truth, l.key, l.value, l.median, l.lo, l.hi, l.lo50, l.hi50, l.shrinkage, l.rank});
+        summarise(lines);
+      }
+    return;
+  }
   std::set<int> done;
   for (const Line& line : read_table(settings.table)) done.insert(line.truth);
   std::ofstream out(settings.table, std::ios::app);

@@ -71,9 +71,11 @@ FitOptions FitSettings::resolve(const Session& session) const {
   return options;
 }
 
-std::string fit_json(const TreeFit& fit) {
+namespace {
+
+Json parameters_json(const std::vector<FittedParameter>& list) {
   Json parameters = Json::object();
-  for (const FittedParameter& p : fit.parameters)
+  for (const FittedParameter& p : list)
     parameters[p.key] = {{"value", p.value},
                          {"lo", p.lo},
                          {"hi", p.hi},
@@ -86,6 +88,18 @@ std::string fit_json(const TreeFit& fit) {
                          {"shrinkage", p.shrinkage},
                          {"identifiable", p.identifiable},
                          {"meaning", p.meaning}};
+  return parameters;
+}
+
+}  // namespace
+
+std::string trees_fit_json(const TreesFit& fit) {
+  Json trees = Json::array();
+  for (const TreeFit& tree : fit.trees) trees.push_back(Json::parse(fit_json(tree)));
+  return Json{{"shared", parameters_json(fit.shared)}, {"trees", trees}}.dump(2) + "\n";
+}
+
+std::string fit_json(const TreeFit& fit) {
   Json descriptors = Json::array();
   const auto off = [](double value, const DescriptorFit& d) {
     return std::abs(value - d.observed) / d.noise;
@@ -112,59 +126,58 @@ std::string fit_json(const TreeFit& fit) {
     for (const FittedParameter& p : fit.parameters) values[p.key] = tree.parameters.get(p.key);
     trees.push_back({{"seed", tree.seed}, {"cost", tree.cost}, {"parameters", values}});
   }
+  Json fixed = Json::object();
+  for (const ParameterSpec& spec : igm_parameter_table(fit.best.equation)) {
+    const std::string key(spec.key);
+    const bool fitted = std::any_of(fit.parameters.begin(), fit.parameters.end(),
+                                    [&](const FittedParameter& p) { return p.key == key; });
+    if (!fitted) fixed[key] = fit.best.get(key);
+  }
   const DirectEstimates& direct = fit.direct;
   const auto or_null = [](const std::optional<double>& v) { return v ? Json(*v) : Json(); };
-  const Json json = {{"model", fit.model},
-                     {"equation", fit.best.equation},
-                     {"parameters", parameters},
-                     {"fixed",
-                      {{"rho_m", fit.best.rho_m},
-                       {"pipe_exponent", fit.best.pipe_exponent},
-                       {"tip_radius_m", fit.best.tip_radius_m},
-                       {"cycles", fit.best.cycles},
-                       {"tau", fit.best.tau},
-                       {"alpha", fit.best.alpha},
-                       {"sigma", fit.best.sigma},
-                       {"b_min", fit.best.b_min},
-                       {"b_max", fit.best.b_max}}},
-                     {"direct",
-                      {{"height_m", direct.height_m},
-                       {"dbh_m", or_null(direct.dbh_m)},
-                       {"internode_length_m", direct.internode_length_m},
-                       {"size_internodes", direct.size_internodes},
-                       {"pipe_exponent", direct.pipe_exponent},
-                       {"forks", direct.forks},
-                       {"branches", direct.branches},
-                       {"branch_angle_deg", or_null(direct.branch_angle_deg)},
-                       {"bend_deg", or_null(direct.bend_deg)}}},
-                     {"years_per_cycle", fit.years_per_cycle},
-                     {"age_known", fit.age_known},
-                     {"course_known", fit.course_known},
-                     {"correlated", correlated},
-                     {"equations", evidence},
-                     {"prior_simulations", fit.prior_simulations},
-                     {"used_bank", fit.used_bank},
-                     {"comparison",
-                      {{"visible_share", fit.comparison.visible_share},
-                       {"shortest_axis_share", fit.comparison.shortest_axis_share}}},
-                     {"cost_before", fit.cost_before},
-                     {"cost_after", fit.cost_after},
-                     {"seed_floor", fit.seed_floor},
-                     {"descriptors", descriptors},
-                     {"refinement",
-                      {{"tried", fit.refinement.tried},
-                       {"kept", fit.refinement.kept},
-                       {"cost_without", fit.refinement.cost_without},
-                       {"cost_with", fit.refinement.cost_with},
-                       {"outcome", fit.refinement.outcome}}},
-                     {"posterior_trees", trees},
-                     {"evaluations", fit.evaluations},
-                     {"seed", fit.seed},
-                     {"best_seed", fit.best_seed},
-                     {"seconds", fit.seconds},
-                     {"converged", fit.converged},
-                     {"stop_reason", fit.stop_reason},
-                     {"warnings", fit.warnings}};
+  const Json json = {
+      {"model", fit.model},
+      {"equation", fit.best.equation},
+      {"parameters", parameters_json(fit.parameters)},
+      {"fixed", fixed},
+      {"direct",
+       {{"height_m", direct.height_m},
+        {"dbh_m", or_null(direct.dbh_m)},
+        {"internode_length_m", direct.internode_length_m},
+        {"size_internodes", direct.size_internodes},
+        {"pipe_exponent", direct.pipe_exponent},
+        {"forks", direct.forks},
+        {"branches", direct.branches},
+        {"branch_angle_deg", or_null(direct.branch_angle_deg)},
+        {"bend_deg", or_null(direct.bend_deg)}}},
+      {"years_per_cycle", fit.years_per_cycle},
+      {"age_known", fit.age_known},
+      {"course_known", fit.course_known},
+      {"correlated", correlated},
+      {"equations", evidence},
+      {"prior_simulations", fit.prior_simulations},
+      {"used_bank", fit.used_bank},
+      {"comparison",
+       {{"visible_share", fit.comparison.visible_share},
+        {"shortest_axis_share", fit.comparison.shortest_axis_share}}},
+      {"cost_before", fit.cost_before},
+      {"cost_after", fit.cost_after},
+      {"seed_floor", fit.seed_floor},
+      {"descriptors", descriptors},
+      {"refinement",
+       {{"tried", fit.refinement.tried},
+        {"kept", fit.refinement.kept},
+        {"cost_without", fit.refinement.cost_without},
+        {"cost_with", fit.refinement.cost_with},
+        {"outcome", fit.refinement.outcome}}},
+      {"posterior_trees", trees},
+      {"evaluations", fit.evaluations},
+      {"seed", fit.seed},
+      {"best_seed", fit.best_seed},
+      {"seconds", fit.seconds},
+      {"converged", fit.converged},
+      {"stop_reason", fit.stop_reason},
+      {"warnings", fit.warnings}};
   return json.dump(2) + "\n";
 }
 
@@ -176,15 +189,19 @@ void write_fit(const std::filesystem::path& folder, const TreeFit& fit) {
                                                         fit.best_seed)}));
 }
 
-void say_fit(const Session& session, const TreeFit& fit) {
-  session.say(fmt::format("Growth parameters ({} equation, 90 % intervals)", fit.best.equation));
-  for (const FittedParameter& p : fit.parameters) {
+void say_parameters(const Session& session, const std::vector<FittedParameter>& parameters) {
+  for (const FittedParameter& p : parameters) {
     if (p.identifiable)
       session.say(fmt::format("  {:<17} {:>8.4g}   {:.4g} to {:.4g} {}", p.key, p.value, p.lo, p.hi, p.unit));
     else
       session.say(fmt::format("  {:<17} not identifiable from this tree (anything from {:.4g} to {:.4g}{}{})",
                               p.key, p.lo, p.hi, p.unit.empty() ? "" : " ", p.unit));
   }
+}
+
+void say_fit(const Session& session, const TreeFit& fit) {
+  session.say(fmt::format("Growth parameters ({} equation, 90 % intervals)", fit.best.equation));
+  say_parameters(session, fit.parameters);
   session.say(fmt::format(
       "  distance    {:.2f} -> {:.2f} (seeds of one tree differ by {:.2f}); {} parameter sets; {}",
       fit.cost_before, fit.cost_after, fit.seed_floor, fit.evaluations, fit.stop_reason));

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "cli/command.h"
-#include "fit/fit_tree.h"
+#include "fit/fit_trees.h"
 
 #include <filesystem>
 #include <optional>
@@ -30,9 +30,14 @@ struct FitSettings {
 /// fit.json's content.
 std::string fit_json(const TreeFit& fit);
 
+/// fit.json's content for several trees: what they share, and each tree's own.
+std::string trees_fit_json(const TreesFit& fit);
+
 /// fit.json and params.toml.
 void write_fit(const std::filesystem::path& folder, const TreeFit& fit);
 
+/// One line a parameter.
+void say_parameters(const Session& session, const std::vector<FittedParameter>& parameters);
 void say_fit(const Session& session, const TreeFit& fit);
 
 }  // namespace dendrofit::cli

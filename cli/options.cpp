@@ -52,9 +52,10 @@ void OptionTable::positional(const std::string& name, std::filesystem::path& tar
 }
 
 void OptionTable::positionals(const std::string& name, std::vector<std::filesystem::path>& target,
-                              const std::string& help) {
+                              const std::string& help, bool required) {
   OptionSpec& spec = add(name, name, help);
-  spec.positional = spec.required = spec.repeats = true;
+  spec.positional = spec.repeats = true;
+  spec.required = required;
   spec.apply = [&target](const std::string& text) { target.emplace_back(text); };
   spec.current = [&target] {
     std::string all;

@@ -37,7 +37,7 @@ class OptionTable {
   void positional(const std::string& name, std::filesystem::path& target, const std::string& help,
                   bool required = true);
   void positionals(const std::string& name, std::vector<std::filesystem::path>& target,
-                   const std::string& help);
+                   const std::string& help, bool required = true);
   void flag(const std::string& name, bool& target, const std::string& help);
   void text(const std::string& name, std::string& target, const std::string& value_name,
             const std::string& help);

@@ -85,6 +85,22 @@ void add_known(const FitProblem& problem, PriorInformation& prior) {
   }
 }
 
+/// What other trees say, as further descriptors that show a coordinate with that error.
+void add_species(const FitProblem& problem, PriorInformation& prior) {
+  const auto columns = prior.observation.descriptors.size();
+  const auto more = static_cast<Eigen::Index>(problem.options.species.size());
+  prior.simulations.descriptors.conservativeResize(Eigen::NoChange, columns + more);
+  prior.observation.descriptors.conservativeResize(columns + more);
+  prior.observation.error.conservativeResize(columns + more);
+  for (Eigen::Index k = 0; k < more; ++k) {
+    const SpeciesEstimate& estimate = problem.options.species[static_cast<std::size_t>(k)];
+    prior.simulations.descriptors.col(columns + k) =
+        prior.simulations.unit.col(problem.space.row(estimate.key));
+    prior.observation.descriptors[columns + k] = estimate.unit;
+    prior.observation.error[columns + k] = estimate.error;
+  }
+}
+
 std::string why_not_bank(const FitProblem& problem) {
   const FitOptions& options = problem.options;
   if (!options.bank) return "there is none";
@@ -120,7 +136,7 @@ void from_new_simulations(FitProblem& problem, PriorInformation& prior, Simulati
                       std::max(kLeastSize * 2, kLargestSize * height));
   const int count = std::clamp(problem.options.evaluations / 2, 1, kMostDraws);
   prior.points = latin_hypercube(count, problem.space.size(), problem.options.seed);
-  progress.begin("simulating the prior", count, "trees");
+  progress.begin("simulating the prior", count, "sets");
   prior.simulations.descriptors = problem.run(prior.points, 1, kPriorKeys, log, progress);
   progress.end();
   prior.simulations.unit.resize(count, problem.space.size());
@@ -181,6 +197,11 @@ std::uint64_t identity(const FitProblem& problem) {
   digest.add(static_cast<double>(o.seed >> 32)).add(static_cast<double>(o.seed & 0xffffffff));
   digest.add(problem.setting.observed.internode_length_m).add(problem.setting.observed.dbh_m.value_or(-1));
   digest.add(o.bank ? static_cast<double>(o.bank->size()) : -1).add(o.observe ? 1 : 0);
+  for (const SpeciesEstimate& e : o.species) digest.add(e.key).add(e.unit).add(e.error);
+  for (const auto& [key, unit] : o.held) digest.add(key).add(unit);
+  for (const double v :
+       problem.space.at(Eigen::VectorXd::Constant(problem.space.size(), 0.5)).equation_values)
+    digest.add(v);
   for (const float v : model_stamp()) digest.add(v);
   return digest.value();
 }
@@ -199,6 +220,7 @@ PriorInformation prior_information(FitProblem& problem, SimulationLog& log, Prog
     from_new_simulations(problem, prior, log, progress);
   }
   add_known(problem, prior);
+  add_species(problem, prior);
   return prior;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -68,6 +69,18 @@ double correlation(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const Eig
   return scale > 0 ? weights.dot((x * y).matrix()) / scale : 0;
 }
 
+/// Mean of the simulations that have it; NaN where none has.
+double mean_where_known(const Eigen::VectorXd& values) {
+  double sum = 0;
+  int count = 0;
+  for (const double v : values) {
+    if (!std::isfinite(v)) continue;
+    sum += v;
+    ++count;
+  }
+  return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+}
+
 }  // namespace
 
 std::vector<FittedParameter> report_parameters(const FitProblem& problem, const PosteriorSample& sample,
@@ -130,8 +143,8 @@ std::vector<DescriptorFit> report_descriptors(const FitProblem& problem, const N
   std::vector<DescriptorFit> report;
   for (const Eigen::Index j : metric.used()) {
     const DescriptorRow& row = descriptor_table()[static_cast<std::size_t>(j)];
-    report.push_back({std::string(row.name), std::string(row.unit), problem.observed[j], before.col(j).mean(),
-                      after.col(j).mean(), metric.noise(j)});
+    report.push_back({std::string(row.name), std::string(row.unit), problem.observed[j],
+                      mean_where_known(before.col(j)), mean_where_known(after.col(j)), metric.noise(j)});
   }
   return report;
 }
@@ -149,6 +162,7 @@ void warn(const FitProblem& problem, const PosteriorSample& posterior, TreeFit& 
         "parameter "
         "can be told from it");
   if (fit.cost_after > kPoorCost) {
+    for (FittedParameter& p : fit.parameters) p.identifiable = false;
     auto worst = fit.descriptors;
     std::stable_sort(worst.begin(), worst.end(), [](const DescriptorFit& a, const DescriptorFit& b) {
       return std::abs(a.after - a.observed) / a.noise > std::abs(b.after - b.observed) / b.noise;
@@ -157,15 +171,19 @@ void warn(const FitProblem& problem, const PosteriorSample& posterior, TreeFit& 
     for (std::size_t i = 0; i < std::min<std::size_t>(3, worst.size()); ++i)
       names += (i ? ", " : "") + worst[i].name;
     fit.warnings.push_back("the growth model cannot follow this tree: even the best parameters miss its " +
-                           names + "; take the parameters as a description, not as measurements");
+                           names +
+                           "; none of its parameters can be told, take them as a description of "
+                           "the nearest tree");
   }
   if (!posterior.outlying.empty()) {
     std::string names;
     for (const Eigen::Index j : posterior.outlying)
-      names +=
-          (names.empty() ? "" : ", ") + std::string(descriptor_table()[static_cast<std::size_t>(j)].name);
-    fit.warnings.push_back("hardly any simulated tree has this tree's " + names +
-                           ": intervals are those of the nearest trees the model can grow");
+      if (j < problem.observed.size())  // beyond: what other trees say
+        names +=
+            (names.empty() ? "" : ", ") + std::string(descriptor_table()[static_cast<std::size_t>(j)].name);
+    if (!names.empty())
+      fit.warnings.push_back("hardly any simulated tree has this tree's " + names +
+                             ": intervals are those of the nearest trees the model can grow");
   }
 }
 

@@ -17,7 +17,8 @@ std::vector<CorrelatedPair> report_correlations(const FitProblem& problem, const
 std::vector<DescriptorFit> report_descriptors(const FitProblem& problem, const NoiseMetric& metric,
                                               const Eigen::MatrixXd& before, const Eigen::MatrixXd& after);
 
-/// Adds what a user must know before relying on the result.
+/// Adds what a user must know before relying on the result; nothing is identifiable where the model cannot
+/// follow the tree.
 void warn(const FitProblem& problem, const PosteriorSample& posterior, TreeFit& fit);
 
 }  // namespace dendrofit

@@ -51,6 +51,10 @@ SearchBox search_box(const FitProblem& problem, const PosteriorSample& posterior
     const std::string_view key = problem.space.rows()[static_cast<std::size_t>(i)].key;
     const Eigen::VectorXd values = posterior.unit.col(i);
     if (!posterior.is_prior) box.elsewhere[i] = weighted_quantile(values, posterior.weights, 0.5);
+    if (const auto held = problem.options.held.find(std::string(key)); held != problem.options.held.end()) {
+      box.elsewhere[i] = held->second;
+      continue;
+    }
     const bool never = std::find(kNeverSearched.begin(), kNeverSearched.end(), key) != kNeverSearched.end();
     if (never || problem.space.fixed(i)) continue;
     const double sd = weighted_deviation(values, posterior.weights);
@@ -90,7 +94,7 @@ Eigen::VectorXd search(const FitProblem& problem, const NoiseMetric& metric, con
                        SimulationLog& log, std::vector<Tried>& tried, TreeFit& fit, Progress& progress) {
   const FitOptions& options = problem.options;
   Cmaes cmaes(box.inner(box.elsewhere), {.initial_step = kInitialStep, .seed = options.seed});
-  progress.begin("searching parameters", std::max(0, options.evaluations - fit.evaluations), "trees");
+  progress.begin("searching parameters", std::max(0, options.evaluations - fit.evaluations), "sets");
   fit.stop_reason = fmt::format("the budget of {} parameter sets is spent", options.evaluations);
   while (fit.evaluations + cmaes.population() <= options.evaluations) {
     if (problem.out_of_time(log)) {
@@ -119,7 +123,7 @@ Judged judge(const FitProblem& problem, const NoiseMetric& metric, UnitPoints fi
   std::stable_sort(tried.begin(), tried.end(),
                    [](const Tried& a, const Tried& b) { return a.cost < b.cost; });
   for (std::size_t i = 0; i < std::min(kBestTried, tried.size()); ++i) finalists.push_back(tried[i].point);
-  progress.begin("judging on fresh seeds", static_cast<double>(finalists.size()), "trees");
+  progress.begin("judging on fresh seeds", static_cast<double>(finalists.size()), "sets");
   const Eigen::MatrixXd rows = problem.run(finalists, kJudgingSeeds, first_key, log, progress);
   progress.end();
   Judged best;

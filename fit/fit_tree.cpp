@@ -26,7 +26,7 @@ NoiseMetric noise_at(const FitProblem& problem, const PriorInformation& prior,
   const PriorSimulations& s = prior.simulations;
   const NoiseMetric wide(s.unit(posterior.rows, Eigen::all), s.descriptors(posterior.rows, Eigen::all),
                          problem.observed, problem.error);
-  progress.begin("measuring the noise between seeds", 1, "trees");
+  progress.begin("measuring the noise between seeds", 1, "set");
   const Eigen::MatrixXd replicates = problem.run({centre}, kNoiseSeeds, kNoiseKeys, log, progress);
   progress.end();
   return {Eigen::MatrixXd(kNoiseSeeds, 0), replicates, problem.observed, problem.error, &wide};
@@ -117,6 +117,7 @@ TreeFit fit_tree(const Tree& observed, const FitOptions& options, Progress& prog
   // The search within it.
   const SearchBox box = search_box(problem, posterior);
   const NoiseMetric metric = noise_at(problem, prior, posterior, box.elsewhere, log, progress);
+  if (options.on_checkpoint) options.on_checkpoint(log.bytes(problem.seconds(log)));
   std::vector<Tried> tried;
   note(prior.points, prior.simulations.descriptors, 1, metric, tried, fit);
   const Eigen::VectorXd found = search(problem, metric, box, log, tried, fit, progress);

@@ -14,6 +14,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +22,13 @@
 #include <vector>
 
 namespace dendrofit {
+
+/// What other trees of the same kind say of a coordinate of the search box (search_space.h).
+struct SpeciesEstimate {
+  std::string key;
+  double unit = 0.5;
+  double error = 1;  ///< standard error
+};
 
 struct FitOptions {
   int evaluations = 200;            ///< parameter sets tried at most
@@ -40,6 +48,8 @@ struct FitOptions {
   /// Compares grown trees as an observer sees them; none: as grown, on descriptors that a scan shows
   /// reliably.
   ObserveTree observe;
+  std::vector<SpeciesEstimate> species;  ///< sharpens the posterior
+  std::map<std::string, double> held;    ///< coordinates (unit) that the search leaves where they are
   std::string resume_from;  ///< a checkpoint of the same fit; empty: from the beginning
   /// Given a checkpoint after every generation.
   std::function<void(std::string_view checkpoint)> on_checkpoint;
