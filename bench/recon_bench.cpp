@@ -29,6 +29,7 @@
 
 #include "bench/recon_cases.h"
 #include "bench/recon_score.h"
+#include "bench/recon_truth.h"
 
 namespace {
 
@@ -95,26 +96,6 @@ struct Options {
 
 double cpu_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
-/// Truth of single points, where it is known.
-struct PointTruth {
-  std::vector<char> leaf;
-  std::vector<float> radius;
-  std::vector<std::uint32_t> hits;  // per cylinder
-};
-
-PointTruth truth_of(const VirtualScan& scan, const Tree& tree) {
-  PointTruth truth{std::vector<char>(scan.cloud.size(), 0), std::vector<float>(scan.cloud.size(), 0),
-                   std::vector<std::uint32_t>(tree.size(), 0)};
-  for (std::size_t i = 0; i < scan.cloud.size(); ++i) {
-    truth.leaf[i] = scan.leaf[i] >= 0;
-    if (scan.node[i] < 0) continue;
-    const auto node = static_cast<std::size_t>(scan.node[i]);
-    truth.radius[i] = static_cast<float>(tree.radius[node]);
-    ++truth.hits[node];
-  }
-  return truth;
 }
 
 void score_intervals(const TreeMetrics& model, const TreeMetrics& truth, Row& row) {
@@ -207,7 +188,8 @@ Row run_file(const fs::path& file, const fs::path& truth) {
   const double begin = cpu_seconds();
   const PointCloud cloud = read_point_cloud(file);
   const double seconds = cpu_seconds() - begin;
-  return judge(file.stem().string(), cloud, seconds, read_tree(truth), {});
+  const Tree tree = read_tree(truth);
+  return judge(file.stem().string(), cloud, seconds, tree, truth_from_classes(cloud, tree));
 }
 
 std::vector<Row> rows_in(const fs::path& file) {

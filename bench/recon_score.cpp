@@ -22,9 +22,9 @@ struct Samples {
   std::vector<Vec3> at;
   std::vector<std::uint32_t> node;
   std::vector<double> weight;
-  Samples(const Tree& t, const Vec3& origin) : tree(t), shift(t.origin_shift - origin) {
+  Samples(const Tree& t, const Vec3& origin, double thinnest) : tree(t), shift(t.origin_shift - origin) {
     for (std::size_t i = 0; i < t.size(); ++i) {
-      if (t.radius[i] < kThinnest) continue;
+      if (t.radius[i] < thinnest) continue;
       const int n = std::max(1, static_cast<int>(std::ceil(t.length(i) / kStep)));
       for (int k = 0; k < n; ++k) {
         at.push_back(shift + t.start[i] + (k + 0.5) / n * (t.end[i] - t.start[i]));
@@ -74,11 +74,12 @@ struct Share {
 };
 
 /// Whether a strayed sample runs inside thicker wood of its own model: neither right nor wrong.
-bool is_stub(const Samples& samples, std::size_t i, const Neighbors& own, std::vector<Neighbor>& found) {
+bool is_stub(const Samples& samples, std::size_t i, const Samples& all, const Neighbors& own,
+             std::vector<Neighbor>& found) {
   own.nearest(samples.at[i], kCandidates, found);
   const double r = samples.tree.radius[samples.node[i]];
   for (const Neighbor& f : found) {
-    const double thick = samples.tree.radius[samples.node[f.index]];
+    const double thick = all.tree.radius[all.node[f.index]];
     if (thick >= 0.02 && thick > 1.25 * r && f.distance_squared < 0.96 * thick * thick) return true;
   }
   return false;
@@ -138,12 +139,15 @@ double volume_over_1cm(const Tree& tree) {
 
 AxisScore score_axes(const Tree& model, const Tree& truth, const std::vector<std::uint32_t>& hits) {
   AxisScore score;
-  const Samples m(model, truth.origin_shift), t(truth, truth.origin_shift);
+  const Samples m(model, truth.origin_shift, kThinnest), t(truth, truth.origin_shift, kThinnest);
+  // What is sampled may be matched by thinner wood too.
+  const Samples all_model(model, truth.origin_shift, 0), all_truth(truth, truth.origin_shift, 0);
   score.volume_1cm = volume_over_1cm(model);
   score.true_volume_1cm = volume_over_1cm(truth);
   if (m.at.empty() || t.at.empty()) return score;
-  const Neighbors model_index(m.at), truth_index(t.at);
-  const std::vector<Match> of_truth = match(t, m, model_index), of_model = match(m, t, truth_index);
+  const Neighbors model_index(all_model.at), truth_index(all_truth.at);
+  const std::vector<Match> of_truth = match(t, all_model, model_index),
+                           of_model = match(m, all_truth, truth_index);
   Share loose_recall, strict_recall, thick_recall, loose_precision, strict_precision, thick_precision;
   std::vector<double> errors;
   for (std::size_t i = 0; i < of_truth.size(); ++i) {
@@ -160,7 +164,7 @@ AxisScore score_axes(const Tree& model, const Tree& truth, const std::vector<std
     const auto radius = [&](std::int32_t n) { return n < 0 ? 0 : truth.radius[static_cast<std::size_t>(n)]; };
     const bool strict = at.aligned <= kTolerance + 0.25 * radius(at.aligned_node);
     loose_precision.add(at.nearest <= kTolerance + radius(at.nearest_node), m.weight[i]);
-    if (!strict && is_stub(m, i, model_index, found)) continue;
+    if (!strict && is_stub(m, i, all_model, model_index, found)) continue;
     strict_precision.add(strict, m.weight[i]);
     if (model.radius[m.node[i]] >= 0.01) thick_precision.add(strict, m.weight[i]);
   }

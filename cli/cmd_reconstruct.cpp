@@ -47,7 +47,8 @@ class Reconstruct : public Command {
     json["metrics"] = nlohmann::ordered_json::parse(metrics_to_json(result.metrics));
     session.json(json.dump(2));
     say_reconstruction(session, result);
-    session.say("Written to " + folder.string() + ": qsm.csv, metrics.json, reconstruction.json");
+    session.say("Written to " + folder.string() + ": qsm.csv, metrics.json, reconstruction.json" +
+                (result.leaf_points.empty() ? "" : ", leaf_points.ply"));
     return 0;
   }
 

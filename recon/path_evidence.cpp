@@ -10,7 +10,7 @@ namespace {
 /// The path through every point in both directions: its parent, and the child with the longest reach.
 struct Ways {
   const Paths& paths;
-  std::vector<std::uint32_t> onward;
+  const std::vector<std::uint32_t>& onward;
 
   std::uint32_t back(std::uint32_t i) const { return paths.parent[i]; }
   std::uint32_t ahead(std::uint32_t i) const { return onward[i]; }
@@ -30,16 +30,17 @@ struct Ways {
 
 PathEvidence weigh_paths(const std::vector<Vec3>& points, const Paths& paths, double window_m) {
   const std::size_t n = points.size();
-  PathEvidence evidence{std::vector<float>(n, 0), std::vector<float>(n, 0), window_m};
-  Ways ways{paths, std::vector<std::uint32_t>(n, Paths::kNone)};
+  PathEvidence evidence{std::vector<float>(n, 0), std::vector<std::uint32_t>(n, Paths::kNone),
+                        std::vector<float>(n, 0), window_m};
+  const Ways ways{paths, evidence.onward};
   std::vector<float>& reach = evidence.reach;
   for (std::size_t k = paths.order.size(); k-- > 0;) {
     const std::uint32_t u = paths.order[k], p = paths.parent[u];
     if (p == Paths::kNone) continue;
     const float way = reach[u] + (paths.length[u] - paths.length[p]);
-    if (ways.onward[p] != Paths::kNone && way <= reach[p]) continue;
+    if (evidence.onward[p] != Paths::kNone && way <= reach[p]) continue;
     reach[p] = way;
-    ways.onward[p] = u;
+    evidence.onward[p] = u;
   }
   const auto bears = [&](std::uint32_t i) { return i != Paths::kNone && reach[i] >= window_m; };
   std::vector<float> own(n, 0);

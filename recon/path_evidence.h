@@ -5,6 +5,7 @@
 #include "core/types.h"
 #include "recon/graph.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace dendrofit {
@@ -13,6 +14,8 @@ namespace dendrofit {
 struct PathEvidence {
   /// Longest way, along the paths, from a point to one that lies beyond it: how much hangs on it (metres).
   std::vector<float> reach;
+  /// The next point on that way; Paths::kNone at its end.
+  std::vector<std::uint32_t> onward;
   /// How straight the longest path through a point runs within `window_m` of it: beeline over way, averaged
   /// along the path, in [0, 1]. 0 where reach is below window_m, and where nothing leads.
   std::vector<float> straight;

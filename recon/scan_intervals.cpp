@@ -37,9 +37,8 @@ Part part_of(const Tree& tree, bool stem, double noise_m) {
 }
 
 /// By how much the stem's volume changes if at one of its forks another limb had gone on: the largest
-/// difference over the forks where the other is at least this share as thick.
-double other_heir(const Tree& tree) {
-  constexpr double kRival = 0.6;
+/// difference over the forks where the other is at least `rival` times as thick.
+double other_heir(const Tree& tree, double rival) {
   const TreeChildren children(tree);
   const std::vector<Axis> axes = axes_of(tree);
   std::vector<double> axis_volume(axes.size(), 0);
@@ -56,7 +55,7 @@ double other_heir(const Tree& tree) {
                               : tree.radius[i];
       for (const std::int32_t c : children.of(i)) {
         const auto child = static_cast<std::size_t>(c);
-        if (tree.axis[child] == tree.axis[i] || tree.radius[child] < kRival * heir) continue;
+        if (tree.axis[child] == tree.axis[i] || tree.radius[child] < rival * heir) continue;
         most = std::max(most, std::abs(beyond - axis_volume[static_cast<std::size_t>(tree.axis[child])]));
       }
       beyond += tree.volume(i);
@@ -122,12 +121,13 @@ void estimate_scan_intervals(const Tree& tree, const std::optional<SliceDiameter
                       : std::hypot(0.15 * d, noise_m);
     metrics.intervals["dbh_m"] = about(d, se, se);
   }
-  const double hidden_tip = seen.in_leaf ? 0.02 * metrics.height_m : 0;
+  const double hidden_tip = seen.in_leaf ? 0.035 * metrics.height_m : 0;
   metrics.intervals["height_m"] = about(metrics.height_m, 0.006 + 0.5 * (spacing_m + noise_m),
                                         0.008 + 2 * spacing_m + 0.5 * noise_m + hidden_tip);
   const Part stem = part_of(tree, true, noise_m), branches = part_of(tree, false, noise_m);
   const Doubt of_stem = doubt_of_stem(stem, seen), of_branches = doubt_of_branches(branches, seen);
-  const double heir = 0.6 * other_heir(tree);
+  // Seen from one side, thicknesses compare badly.
+  const double heir = 0.7 * other_heir(tree, std::clamp(0.7 * seen.stem_coverage, 0.3, 0.6));
   metrics.intervals["stem_volume_m3"] =
       about(metrics.stem_volume_m3, std::hypot(of_stem.down, heir), std::hypot(of_stem.up, heir));
   metrics.intervals["total_volume_m3"] =

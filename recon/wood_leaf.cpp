@@ -89,7 +89,8 @@ double share_of_leafy_places(const std::vector<Vec3>& points, const PointGraph& 
   return all > 0 ? static_cast<double>(leafy) / static_cast<double>(all) : 0;
 }
 
-/// Points on straight paths that bear enough, and all points those paths pass on their way to the foot.
+/// Points on straight paths that bear enough, all points those paths pass on their way to the foot, and their
+/// last piece out to the tip.
 std::vector<std::uint32_t> points_on_wood(const Paths& paths, const PathEvidence& evidence, double bearing,
                                           double straight_enough) {
   std::vector<char> on(evidence.reach.size(), 0);
@@ -101,6 +102,12 @@ std::vector<std::uint32_t> points_on_wood(const Paths& paths, const PathEvidence
     wood.push_back(u);
     if (paths.parent[u] != Paths::kNone) on[paths.parent[u]] = 1;
   }
+  for (std::size_t k = 0, bearers = wood.size(); k < bearers; ++k)
+    for (std::uint32_t u = evidence.onward[wood[k]]; u != Paths::kNone && !on[u]; u = evidence.onward[u]) {
+      if (evidence.reach[u] >= evidence.window_m && evidence.straight[u] < straight_enough) break;
+      on[u] = 1;
+      wood.push_back(u);
+    }
   return wood;
 }
 
