@@ -81,7 +81,7 @@ class Convert : public Command {
     }
     nlohmann::ordered_json json = {{"output", out_.string()}, {"content", what}, {"lost", lost}};
     if (!shift.isZero(0)) json["shift"] = {shift.x(), shift.y(), shift.z()};
-    session.json(json.dump(2));
+    session.json(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
     session.say(fmt::format("{} -> {}: {}", in_.string(), out_.string(), what));
     if (!shift.isZero(0))
       session.say(fmt::format("  shifted by {},{},{} m (--shift {},{},{} takes it back)", shift.x(),

@@ -57,7 +57,7 @@ class Info : public Command {
 
   int run(Session& session) override {
     const FileInfo info = describe_file(file_, session.progress());
-    session.json(to_json(file_, info).dump(2));
+    session.json(to_json(file_, info).dump(2, ' ', false, Json::error_handler_t::replace));
     session.say(fmt::format("{}: {} ({}), {} bytes", file_.string(), info.kind, info.format, info.bytes));
     if (info.cloud) session.say(fmt::format("  points      {}", info.cloud->size()));
     if (info.kind == "mesh") session.say(fmt::format("  triangles   {}", info.rows));

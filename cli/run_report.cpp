@@ -6,8 +6,10 @@
 #include "cli/report/report.h"
 #include "cli/version.h"
 #include "core/atomic_file.h"
+#include "fit/descriptors.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -112,11 +114,32 @@ std::vector<ReportCurve> curves_of(const RunResults& r) {
   return curves;
 }
 
+/// Descriptors' names with what they mean: "reach_80 (crown radius about ...)". Names that are plain words
+/// stay.
+std::string explained(std::string text) {
+  for (const DescriptorRow& row : descriptor_table()) {
+    const std::string name(row.name);
+    if (name.find('_') == std::string::npos) continue;
+    const auto part_of_name = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
+    for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name, at)) {
+      const std::size_t end = at + name.size();
+      const bool whole =
+          (at == 0 || !part_of_name(text[at - 1])) && (end == text.size() || !part_of_name(text[end]));
+      at = end;
+      if (!whole) continue;
+      const std::string meaning = " (" + std::string(row.meaning) + ")";
+      text.insert(end, meaning);
+      at += meaning.size();
+    }
+  }
+  return text;
+}
+
 std::vector<ReportDescriptor> descriptors_of(const TreeFit& fit) {
   std::vector<ReportDescriptor> rows;
   for (const DescriptorFit& d : fit.descriptors)
-    rows.push_back(
-        {d.name, std::abs(d.before - d.observed) / d.noise, std::abs(d.after - d.observed) / d.noise});
+    rows.push_back({explained(d.name), std::abs(d.before - d.observed) / d.noise,
+                    std::abs(d.after - d.observed) / d.noise});
   return rows;
 }
 

@@ -26,7 +26,7 @@ struct StoredImage {
 };
 
 struct HalvingRule {
-  double most_pixels = 25e6;  ///< a picture with more is halved until it has no more
+  double most_pixels = 13e6;  ///< a picture with more is halved until it has no more
   int at_least = 0;           ///< halvings in any case
 };
 

@@ -10,7 +10,7 @@ namespace dendrofit {
 
 struct ReadCamerasOptions {
   bool load_photos = true;           ///< false: views hold cameras and photo names only
-  double most_megapixels = 25;       ///< a larger picture is halved, its camera with it
+  double most_megapixels = 13;       ///< a larger picture is halved, its camera with it
   double most_megapixels_all = 160;  ///< together: halved alike until they fit
   void validate() const;
 };

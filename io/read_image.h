@@ -13,7 +13,7 @@
 namespace dendrofit {
 
 struct ReadImageOptions {
-  double most_megapixels = 25;  ///< a larger picture is halved until it has no more
+  double most_megapixels = 13;  ///< a larger picture is halved until it has no more
   int at_least_halvings = 0;    ///< to match another picture that was halved
   /// Width and height that a cameras file gives. Where only the stored orientation fits, it is kept.
   std::optional<std::array<int, 2>> expected_size = std::nullopt;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "recon/build_tree.h"
 
-#include "core/tree_topology.h"
+#include "recon/name_axes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,21 @@ namespace {
 
 constexpr double kShortest = 1e-4;
 
-double cylinder_length(double radius) {
-  return std::clamp(3 * radius, 0.08, 0.15);
+/// Whether the line from `from` over the nodes first..last is a cylinder of its own: a few radii long, sooner
+/// where it bends.
+bool closes(const Limb& limb, const Vec3& from, std::size_t first, std::size_t last) {
+  const LimbNode& end = limb.nodes[last];
+  const Vec3 chord = end.centre - from;
+  const double length = chord.norm(), few_radii = 3 * end.radius_m;
+  if (length >= std::clamp(few_radii, 0.08, 0.15)) return true;
+  constexpr double kThin = 0.01;  // thinner wood's line bends by noise alone
+  if (end.radius_m < kThin || length < std::clamp(few_radii, 0.04, 0.15)) return false;
+  const double bend = std::max(0.0015, 0.1 * end.radius_m);
+  for (std::size_t k = first; k < last; ++k) {
+    const Vec3 d = limb.nodes[k].centre - from;
+    if ((d - chord * (d.dot(chord) / (length * length))).norm() > bend) return true;
+  }
+  return false;
 }
 
 /// The cylinder of `cylinders` whose axis passes nearest to `point`.
@@ -49,6 +62,7 @@ Tree build_tree(const std::vector<Limb>& limbs, const std::vector<Foot>& feet, c
   Tree tree;
   tree.origin_shift = origin_shift;
   std::vector<std::vector<std::vector<std::int32_t>>> cylinder_at(limbs.size());  // by limb, by node
+  std::vector<double> seen_radius;                                                // of every cylinder
   std::size_t root = 0;
   for (std::size_t l = 0; l < limbs.size(); ++l) {
     const Limb& limb = limbs[l];
@@ -80,8 +94,7 @@ Tree build_tree(const std::vector<Limb>& limbs, const std::vector<Foot>& feet, c
       const double length = (limb.nodes[i].centre - from).norm();
       const bool last = i + 1 == limb.nodes.size();
       const bool gap_next = !last && limb.nodes[i + 1].after_gap;
-      const bool long_enough = length >= cylinder_length(limb.nodes[i].radius_m) ||
-                               (gap_next && length > kShortest) ||
+      const bool long_enough = closes(limb, from, first_node, i) || (gap_next && length > kShortest) ||
                                (limb.nodes[i].after_gap && length > kShortest);
       if (!last && !long_enough) continue;
       if (length < kShortest) continue;
@@ -89,10 +102,11 @@ Tree build_tree(const std::vector<Limb>& limbs, const std::vector<Foot>& feet, c
       node.start = from;
       node.end = limb.nodes[i].centre;
       node.parent = parent;
-      double square = 0, se = 0, count = 0;
+      double square = 0, seen = 0, se = 0, count = 0;
       RadiusQuality quality = RadiusQuality::measured;
       for (std::size_t k = first_node; k <= i; ++k) {
         square += limb.nodes[k].radius_m * limb.nodes[k].radius_m;
+        seen += limb.nodes[k].seen_radius_m;
         se += limb.nodes[k].radius_se_m;
         count += 1;
         quality = std::max(quality, limb.nodes[k].quality);
@@ -103,12 +117,13 @@ Tree build_tree(const std::vector<Limb>& limbs, const std::vector<Foot>& feet, c
                          ? RadiusQuality::interpolated
                          : quality;
       parent = tree.add(node);
+      seen_radius.push_back(seen / count);
       for (std::size_t k = first_node; k <= i; ++k) cylinder_at[l][k].push_back(parent);
       from = limb.nodes[i].centre;
       first_node = i + 1;
     }
   }
-  assign_axes_by_thickness(tree);
+  name_axes(tree, seen_radius);
   return tree;
 }
 

@@ -10,8 +10,9 @@
 
 namespace dendrofit {
 
-/// Cylinders a few radii long (8 to 15 cm); a branch starts where its centre line leaves its bearer's
-/// surface, and at each fork the thicker limb carries the axis on. Stems start at their foot.
+/// Cylinders a few radii long (8 to 15 cm, 4 where they bend); a branch starts where its centre line leaves
+/// its bearer's surface, and at each fork the thicker limb carries the axis on (name_axes.h). Stems start at
+/// their foot.
 Tree build_tree(const std::vector<Limb>& limbs, const std::vector<Foot>& feet, const Vec3& origin_shift);
 
 }  // namespace dendrofit

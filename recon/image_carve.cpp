@@ -17,7 +17,6 @@ namespace {
 constexpr double kHalfDiagonal = 0.8660254037844386;
 constexpr double kSkin = 1.1;  // cells: how deep below the surface a cell still belongs to the skin
 constexpr std::size_t kBlock = 2048;
-constexpr std::size_t kMostCells = 20'000'000;  // of any level, while carving
 
 /// A cell of the octree at some level: integer position of its lower corner in cells of that level.
 struct Cell {
@@ -38,9 +37,10 @@ double picture_stretch(const Camera& camera, const Eigen::Vector2d& pixel) {
   return (1 + r2) * (1.02 + 3 * std::abs(camera.k1) * r2 + 5 * std::abs(camera.k2) * r2 * r2);
 }
 
-/// What the views say of a ball of radius `ball_m` about `centre`; 0: of the point alone.
+/// What the views say of a ball of radius `ball_m` about `centre`; 0: of the point alone, which may lie
+/// `slack_m` beside the masks.
 Verdict judge(const std::vector<Camera>& cameras, const std::vector<Outline>& outlines, const Vec3& centre,
-              double ball_m, const CarveOptions& options) {
+              double ball_m, double slack_m, const CarveOptions& options) {
   Verdict verdict;
   int seen = 0, hidden = 0, missed = 0;
   double shallowest = -1e300;
@@ -62,7 +62,7 @@ Verdict judge(const std::vector<Camera>& cameras, const std::vector<Outline>& ou
     const double scale = cameras[i].fx / depth;
     const double ball_px =
         ball_m > 0 ? ball_m * picture_stretch(cameras[i], *pixel) * cameras[i].fx / (depth - ball_m) : 0;
-    const double outside = outlines[i].at(*pixel) - options.tolerance_px;
+    const double outside = outlines[i].at(*pixel) - options.tolerance_px - slack_m * scale;
     if (outside > ball_px) {
       if (++missed > options.misses_allowed) return verdict;
       if (i < 64) verdict.misses |= std::uint64_t{1} << i;
@@ -104,6 +104,8 @@ std::vector<Cell> split(const std::vector<Cell>& cells, const std::function<bool
 Hull skin_of(const std::vector<Cell>& cells, int children, const std::function<Vec3(const Cell&)>& centre_of,
              double cell_m, const std::vector<Camera>& cameras, const std::vector<Outline>& outlines,
              const CarveOptions& options, Progress& progress) {
+  // Cells much larger than asked for would lose wood between their centres.
+  const double slack_m = 0.5 * std::max(0.0, cell_m - 2 * options.cell_m);
   std::vector<Hull> found((cells.size() + kBlock - 1) / kBlock);
   parallel_blocks(cells.size(), kBlock, options.threads, [&](std::size_t first, std::size_t end) {
     progress.check();
@@ -111,7 +113,7 @@ Hull skin_of(const std::vector<Cell>& cells, int children, const std::function<V
     for (std::size_t c = first; c < end; ++c)
       for (int k = 0; k < children; ++k) {
         const Vec3 centre = centre_of(children == 1 ? cells[c] : child_of(cells[c], k));
-        const Verdict verdict = judge(cameras, outlines, centre, 0, options);
+        const Verdict verdict = judge(cameras, outlines, centre, 0, slack_m, options);
         if (!verdict.keep || verdict.depth_m <= -kSkin * cell_m) continue;
         skin.cells.push_back(centre);
         skin.misses.push_back(verdict.misses);
@@ -195,29 +197,26 @@ Hull carve(const std::vector<Camera>& cameras, const std::vector<Outline>& outli
 
   std::vector<Cell> cells{{0, 0, 0}};
   progress.begin("carve", levels, "levels");
-  for (int level = 1; level < levels; ++level) {
-    cells = split(
-        cells,
-        [&](const Cell& cell) {
-          const Vec3 centre = corner + side_of(level) * (Vec3(cell.x, cell.y, cell.z) + Vec3::Constant(0.5));
-          const Verdict verdict = judge(cameras, outlines, centre, kHalfDiagonal * side_of(level), options);
-          return verdict.keep && !verdict.deep;
-        },
-        options.threads, progress);
-    if (cells.size() > kMostCells)
-      throw SolverError("these views leave more than " + std::to_string(kMostCells / 1'000'000) +
-                        " million cells open: a leafy crown, masks of more than the tree, or too few views");
+  int level = 0;
+  while (level + 1 < levels && cells.size() <= options.most_cells / 4) {
+    ++level;
+    const double side = side_of(level);
+    const auto open = [&](const Cell& cell) {
+      const Vec3 centre = corner + side * (Vec3(cell.x, cell.y, cell.z) + Vec3::Constant(0.5));
+      const Verdict verdict = judge(cameras, outlines, centre, kHalfDiagonal * side, 0, options);
+      return verdict.keep && !verdict.deep;
+    };
+    cells = split(cells, open, options.threads, progress);
     progress.advance(1);
   }
-  // A hull too large for the finest cells is kept in twice as large ones.
-  const bool coarse = levels > 1 && cells.size() > options.most_cells / 4;
-  const int last = coarse ? levels - 1 : levels;
-  Hull hull = skin_of(
-      cells, coarse ? 1 : 8,
-      [&](const Cell& cell) {
-        return Vec3(corner + side_of(last) * (Vec3(cell.x, cell.y, cell.z) + Vec3::Constant(0.5)));
-      },
-      side_of(last), cameras, outlines, options, progress);
+  // A hull too large for finer cells is kept in those it has come to.
+  const bool coarse = level > 0 && cells.size() > options.most_cells / 4;
+  const int last = coarse ? level : level + 1;
+  const auto centre_of = [&](const Cell& cell) {
+    return Vec3(corner + side_of(last) * (Vec3(cell.x, cell.y, cell.z) + Vec3::Constant(0.5)));
+  };
+  const Hull hull =
+      skin_of(cells, coarse ? 1 : 8, centre_of, side_of(last), cameras, outlines, options, progress);
   progress.end();
   return hull;
 }

@@ -18,14 +18,14 @@ struct CarveOptions {
   double cell_m = 0.003;      ///< side of the smallest cells
   double tolerance_px = 0.7;  ///< this far outside a mask still counts as inside: half a pixel and some blur
   int misses_allowed = 0;     ///< views in which a cell may lie outside the mask
-  std::size_t most_cells = 3'000'000;  ///< a hull with many more is kept in cells twice as large
+  std::size_t most_cells = 3'000'000;  ///< a hull of many more is kept in larger cells
   int threads = 0;
   void validate() const;
 };
 
 /// The hull's skin: smallest cells within about one cell of its surface, in order of a space-filling curve.
 struct Hull {
-  double cell_m = 0;                  ///< of these cells: the options', or twice that
+  double cell_m = 0;                  ///< of these cells: the options', or a power of two times that
   std::vector<Vec3> cells;            ///< centres, metres, local
   std::vector<std::uint64_t> misses;  ///< bit i: outside the mask of view i (first 64 views)
 };
@@ -33,8 +33,7 @@ struct Hull {
 /// Carves what the views (cameras[i] with outlines[i]) have in common. Beyond a side of the picture that the
 /// mask touches a view says nothing; what fewer than two views, or fewer than half, speak of is not kept. The
 /// hull is empty where no place lies inside all masks. Throws InputError where the sizes do not agree or a
-/// mask is empty, SolverError where the views look nowhere in common or leave more than 20 million cells
-/// open.
+/// mask is empty, SolverError where the views look nowhere in common.
 Hull carve(const std::vector<Camera>& cameras, const std::vector<Outline>& outlines,
            const CarveOptions& options, Progress& progress = no_progress());
 

@@ -13,8 +13,9 @@ namespace dendrofit {
 /// the mask and its neighbour outside. Kept in steps of 1/16 pixel, up to 2,047 pixels.
 class Outline {
  public:
-  /// Non-zero bytes are the mask, rows from the top. Throws InputError for sizes that do not agree.
-  Outline(const std::vector<std::uint8_t>& mask, int width, int height);
+  /// Non-zero bytes are the mask, rows from the top. `cover`: share of each pixel that wood covers, where it
+  /// is known (else empty). Throws InputError for sizes that do not agree.
+  Outline(const std::vector<std::uint8_t>& mask, int width, int height, const std::vector<float>& cover = {});
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -23,6 +24,9 @@ class Outline {
   }
   /// Bilinear between pixel centres (the first lies at 0.5, 0.5); beyond the frame the least it can be.
   double at(const Eigen::Vector2d& pixel) const;
+  bool knows_cover() const { return !cover_.empty(); }
+  /// Share that wood covers at a pixel, bilinear; needs knows_cover().
+  double cover_at(const Eigen::Vector2d& pixel) const;
   /// Whether the pixel lies beyond a side of the frame that the mask touches: the tree may go on there.
   bool unknown(const Eigen::Vector2d& pixel) const {
     return (touches_left_ && pixel.x() < 0) || (touches_right_ && pixel.x() > width_) ||
@@ -37,12 +41,18 @@ class Outline {
   bool touches_sides() const { return touches_left_ || touches_right_; }
 
  private:
+  struct Corners {
+    std::size_t upper_left, upper_right, lower_left, lower_right;
+    double right, down;  // shares
+  };
+  Corners corners(const Eigen::Vector2d& pixel) const;
   std::size_t index(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
            static_cast<std::size_t>(column);
   }
   int width_ = 0, height_ = 0;
   std::vector<std::int16_t> distance_;
+  std::vector<std::uint8_t> cover_;  // in 255ths
   std::size_t area_px_ = 0;
   Eigen::Vector2d middle_ = Eigen::Vector2d::Zero();
   double reach_px_ = 0;

@@ -16,25 +16,48 @@ constexpr double kExposed = 1.0 / 3;
 constexpr int kViews = 2;
 constexpr int kStations = 3;  // of a cylinder's middle line
 
-/// One view's count of axes over each pixel, with each axis's pixels and the places of its middle line.
-struct Coverage {
-  std::vector<std::uint16_t> count;
-  std::vector<std::vector<std::uint32_t>> pixels;    // by axis, each once
-  std::vector<std::vector<std::uint32_t>> stations;  // by axis
+/// An unbranched run between forks, or from one to a tip.
+struct Chain {
+  std::vector<std::int32_t> nodes;
+  std::int32_t parent = -1;  ///< chain
 };
 
-Coverage cover(const Tree& tree, const std::vector<Axis>& axes, const Camera& camera) {
+std::vector<Chain> chains_of(const Tree& tree) {
+  const TreeChildren children(tree);
+  std::vector<Chain> chains;
+  std::vector<std::int32_t> chain_of(tree.size());
+  for (std::size_t i = 0; i < tree.size(); ++i) {
+    const std::int32_t p = tree.parent[i];
+    if (p >= 0 && children.of(static_cast<std::size_t>(p)).size() == 1) {
+      chain_of[i] = chain_of[static_cast<std::size_t>(p)];
+    } else {
+      chain_of[i] = static_cast<std::int32_t>(chains.size());
+      chains.push_back({{}, p < 0 ? -1 : chain_of[static_cast<std::size_t>(p)]});
+    }
+    chains[static_cast<std::size_t>(chain_of[i])].nodes.push_back(static_cast<std::int32_t>(i));
+  }
+  return chains;
+}
+
+/// One view's count of chains over each pixel, with each chain's pixels and the places of its middle line.
+struct Coverage {
+  std::vector<std::uint16_t> count;
+  std::vector<std::vector<std::uint32_t>> pixels;    // by chain, each once
+  std::vector<std::vector<std::uint32_t>> stations;  // by chain
+};
+
+Coverage cover(const Tree& tree, const std::vector<Chain>& chains, const Camera& camera) {
   const auto width = static_cast<std::size_t>(camera.width);
   Coverage view;
   view.count.assign(width * static_cast<std::size_t>(camera.height), 0);
-  view.pixels.resize(axes.size());
-  view.stations.resize(axes.size());
+  view.pixels.resize(chains.size());
+  view.stations.resize(chains.size());
   const auto index = [&](int x, int y) {
     return static_cast<std::uint32_t>(static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x));
   };
-  for (std::size_t a = 0; a < axes.size(); ++a) {
+  for (std::size_t a = 0; a < chains.size(); ++a) {
     std::vector<std::uint32_t>& mine = view.pixels[a];
-    for (const std::int32_t node : axes[a].nodes) {
+    for (const std::int32_t node : chains[a].nodes) {
       const auto i = static_cast<std::size_t>(node);
       const auto from = camera.project(tree.start[i]), to = camera.project(tree.end[i]);
       if (!from || !to) continue;
@@ -69,22 +92,22 @@ Coverage cover(const Tree& tree, const std::vector<Axis>& axes, const Camera& ca
 }  // namespace
 
 std::vector<char> needed_by_views(const Tree& tree, const std::vector<Camera>& cameras, int threads) {
-  const std::vector<Axis> axes = axes_of(tree);
+  const std::vector<Chain> chains = chains_of(tree);
   std::vector<Coverage> views(cameras.size());
   parallel_blocks(cameras.size(), 1, threads, [&](std::size_t first, std::size_t end) {
-    for (std::size_t v = first; v < end; ++v) views[v] = cover(tree, axes, cameras[v]);
+    for (std::size_t v = first; v < end; ++v) views[v] = cover(tree, chains, cameras[v]);
   });
   const std::vector<double> beyond = length_beyond(tree);
-  std::vector<std::size_t> order(axes.size());
+  std::vector<std::size_t> order(chains.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto length_of = [&](std::size_t a) {
-    return beyond[static_cast<std::size_t>(axes[a].nodes.front())];
+    return beyond[static_cast<std::size_t>(chains[a].nodes.front())];
   };
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return length_of(a) < length_of(b); });
-  std::vector<char> bears(axes.size(), 0), keep(tree.size(), 1);
+  std::vector<char> bears(chains.size(), 0), keep(tree.size(), 1);
   for (const std::size_t a : order) {
-    const std::int32_t bearer = axes[a].parent_axis;
+    const std::int32_t bearer = chains[a].parent;
     int shown = bears[a] || bearer < 0 ? kViews : 0;
     for (const Coverage& view : views) {
       if (shown >= kViews) break;
@@ -98,7 +121,7 @@ std::vector<char> needed_by_views(const Tree& tree, const std::vector<Camera>& c
       if (bearer >= 0) bears[static_cast<std::size_t>(bearer)] = 1;
       continue;
     }
-    for (const std::int32_t node : axes[a].nodes) keep[static_cast<std::size_t>(node)] = 0;
+    for (const std::int32_t node : chains[a].nodes) keep[static_cast<std::size_t>(node)] = 0;
     for (Coverage& view : views)
       for (const std::uint32_t p : view.pixels[a]) --view.count[p];
   }

@@ -2,7 +2,7 @@
 #include "recon/image_segmentation.h"
 
 #include "core/errors.h"
-#include "recon/image_distance.h"
+#include "recon/image_cover.h"
 #include "recon/image_ground.h"
 #include "recon/image_pieces.h"
 #include "recon/image_sky.h"
@@ -177,30 +177,6 @@ std::optional<StemCrossing> find_crossing(const SkyRatio& sky, const std::vector
   return best;
 }
 
-/// Share of a pixel that wood covers: from bark's own ratio (the median of pixels inside wood) to the sky's.
-void set_cover(Silhouette& s, const SkyRatio& sky) {
-  const std::vector<float> inside = distance_inside(s.tree, s.width, s.height);
-  std::vector<float> bark;
-  for (int x = 0; x < s.width; ++x)
-    for (int y = 0; y < sky.horizon[static_cast<std::size_t>(x)]; ++y)
-      if (inside[s.pixel(x, y)] >= 2.5f) bark.push_back(sky.ratio[s.pixel(x, y)]);
-  float dark = 0.35f;
-  if (bark.size() > 50) {
-    auto middle = bark.begin() + static_cast<std::ptrdiff_t>(bark.size() / 2);
-    std::nth_element(bark.begin(), middle, bark.end());
-    dark = std::min(*middle, 0.75f);
-  }
-  s.cover.assign(s.tree.size(), 0);
-  for (int y = 0; y < s.height; ++y)
-    for (int x = 0; x < s.width; ++x) {
-      const std::size_t p = s.pixel(x, y);
-      if (y < sky.horizon[static_cast<std::size_t>(x)])
-        s.cover[p] = std::clamp((1 - sky.ratio[p]) / (1 - dark), 0.0f, 1.0f);
-      else
-        s.cover[p] = s.tree[p];
-    }
-}
-
 [[noreturn]] void no_tree(const std::string& why) {
   throw SolverError("no tree found: " + why);
 }
@@ -258,12 +234,14 @@ Silhouette from_sky(const Photograph& photo, const SegmentationOptions& options)
   bool followed = false;
   for (std::size_t g = 0; g < groups.size() && groups[g].height() > 0.4 * groups.front().height(); ++g) {
     const auto stem = find_crossing(sky, group, static_cast<std::int32_t>(g), options.root_px);
-    if (stem && stem->last - stem->first < kSlender * groups[g].height())
-      followed = follow_stem_down(photo, *stem, s.tree) > stem->row || followed;
+    if (!stem || stem->last - stem->first >= kSlender * groups[g].height()) continue;
+    const int down = follow_stem_down(photo, *stem, s.tree) - stem->row;
+    followed = followed || down > std::max(2 * (stem->last - stem->first), photo.height / 50);
   }
   if (!followed)
     s.warnings.push_back(
-        "the stem is not seen below the horizon: foot and height are uncertain; give --mask");
+        "the stem is not told from what is behind it below the horizon: foot and height are uncertain; give "
+        "--mask");
   s.horizon_px = clear_horizon(sky);
   set_cover(s, sky);
   std::size_t standing = 0;  // on the tall groups: one tree each

@@ -91,6 +91,17 @@ std::optional<Stretch> stretch_across(const Outline& outline, const Eigen::Vecto
   return best;
 }
 
+/// Half the wood across a stretch: what its pixels are covered by, a soft edge of 2 pixels included.
+double half_cover(const Outline& outline, const Eigen::Vector2d& at, const Eigen::Vector2d& normal,
+                  const Stretch& stretch) {
+  constexpr double kEdge = 2;
+  double sum = 0;
+  const double reach = stretch.half_width + kEdge;
+  for (double t = -reach; t <= reach; t += 0.5 * kProfileStep)
+    sum += outline.cover_at(at + (stretch.middle + t) * normal) * 0.5 * kProfileStep;
+  return 0.5 * sum;
+}
+
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -119,7 +130,8 @@ std::optional<Sighting> sight(const Tree& tree, std::size_t i, const Camera& cam
     if (!stretch) continue;
     found.px_per_m = per_m;
     offsets.push_back(stretch->middle);
-    widths.push_back(stretch->half_width);
+    widths.push_back(outline.knows_cover() ? half_cover(outline, *at, normal, *stretch)
+                                           : stretch->half_width);
     alone += cover.only(tree.axis[i], *at + stretch->middle * normal, normal,
                         std::max(2 * stretch->half_width, stretch->half_width + 2));
   }

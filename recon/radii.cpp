@@ -66,7 +66,7 @@ Square radius_squared(const Spread& spread, double noise, double seen) {
 /// themselves and are seen more evenly (on virtual scans of known trees 0.95 to 1 where those circles show
 /// 0.85, and 0.5 where they show 0.48).
 double seen_share(const std::vector<Limb>& limbs, const Sights& sights, double noise) {
-  constexpr double kOneSide = 0.38, kEvener = 1.8;
+  constexpr double kOneSide = 0.38, kEvener = 3.4;
   constexpr double kThin = 5;  // radii in noises
   constexpr std::size_t kFewest = 20;
   std::vector<double> shares;
@@ -77,7 +77,7 @@ double seen_share(const std::vector<Limb>& limbs, const Sights& sights, double n
     }
   if (shares.size() < kFewest) return 1;
   const double hidden = 1 - std::clamp(median(shares), 0.0, 1.0);
-  return std::clamp(1 - kEvener * hidden * hidden, kOneSide, 1.0);
+  return std::clamp(1 - kEvener * hidden * hidden * hidden, kOneSide, 1.0);
 }
 
 /// The tree's own radius for a given wood length beyond: medians in classes of length (so that noise in
@@ -255,6 +255,7 @@ RadiusReport settle_radii(std::vector<Limb>& limbs, const Sights& sights, double
       // No single place is believed to better than a twentieth: bark, burls and crotches.
       const double doubt = kBestShare * limb_radius[i];
       value.push_back(limb_radius[i]);
+      limbs[l].nodes[i].seen_radius_m = limb_radius[i];
       weight.push_back(1 / (1 / limb_weight[i] + doubt * doubt));
     }
   }

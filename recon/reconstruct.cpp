@@ -103,7 +103,8 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   Paths paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);
   clock.mark("paths");
 
-  const WoodLeaf verdict = separate_leaves(scan.points, graph, paths, {}, progress);
+  WoodLeaf verdict;
+  if (options.leaves_possible) verdict = separate_leaves(scan.points, graph, paths, {}, progress);
   result.leaf_on = verdict.leaves_present;
   result.leafy_share = verdict.leafy_share;
   result.straight_share = verdict.straight_share;

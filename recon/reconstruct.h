@@ -21,6 +21,7 @@ struct ReconstructOptions {
   double max_gap_m = 1.5;         ///< widest gap in the scan that wood is believed to cross
   double shortest_limb_m = 0.02;  ///< shorter side shoots are noise about their bearer
   double dbh_height_m = 1.3;      ///< above the foot
+  bool leaves_possible = true;    ///< false: every point is wood, however it lies among the others
   std::optional<double> twig_diameter_m = std::nullopt;  ///< of the species' twig ends, where known
   int threads = 0;                                       ///< 0: all cores
   std::uint64_t seed = 1;                                ///< of the resampling behind the intervals

@@ -64,6 +64,13 @@ PointCloud surface_of(const Hull& hull, const Work& work, const Vec3& origin_shi
   return cloud;
 }
 
+/// The surface's tree. It is wood all over: masks hold no leaves.
+Reconstruction tree_of(const PointCloud& surface, const ViewsOptions& options, Progress& progress) {
+  ReconstructOptions wood = options.cloud;
+  wood.leaves_possible = false;
+  return reconstruct(surface, wood, progress);
+}
+
 /// Views that look at a tree from few sides need all of them to agree.
 int least_support(std::size_t views) {
   return static_cast<int>(std::min<std::size_t>(3, views));
@@ -115,8 +122,7 @@ Agreement settle_poses(Work& work, const ViewSet& set, const ViewsOptions& optio
     loose = agreement(work.cameras, work.outlines, wider, progress);
   }
   for (int round = 0; round < kRefinements && !loose.hull.cells.empty(); ++round) {
-    const Reconstruction rough =
-        reconstruct(surface_of(loose.hull, work, set.origin_shift), options.cloud, progress);
+    const Reconstruction rough = tree_of(surface_of(loose.hull, work, set.origin_shift), options, progress);
     Work tried = work;
     tried.cameras = adjust(in_frame_of(rough.tree, set.origin_shift), work, options, progress);
     Agreement now = agreement(tried.cameras, tried.outlines, carving, progress);
@@ -184,9 +190,10 @@ ViewsReconstruction reconstruct_views(const ViewSet& set, const ViewsOptions& op
   if (!agreed.good()) result.model.warnings.push_back(disagreement_warning(set, work.of, agreed.shares));
   result.tolerance_px = agreed.tolerance_px;
   result.cell_m = agreed.hull.cell_m;
+  if (result.cell_m > 3 * carving.cell_m) result.model.warnings.push_back(coarse_warning(result.cell_m));
 
   result.surface = surface_of(agreed.hull, work, set.origin_shift);
-  Reconstruction carved = reconstruct(result.surface, options.cloud, progress);
+  Reconstruction carved = tree_of(result.surface, options, progress);
   Tree tree = settle_on_views(in_frame_of(carved.tree, set.origin_shift), work, options, result, progress);
 
   const Sightings seen =

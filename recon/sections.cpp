@@ -225,7 +225,9 @@ class Cutter {
     constexpr double kShift = 0.06, kChange = 0.06;  // standard deviations a section, in radii
     constexpr std::size_t kFewest = 5;
     constexpr double kTukey = 4.685;
-    const double noise = std::max(settings_.noise_m, 0.05 * parent.radius_m);
+    // What points scatter about the surface: bark and noise, never as much as the radius itself.
+    const double noise =
+        std::min(std::max(0.25 * graph_.typical_spacing_m, 0.05 * parent.radius_m), 0.12 * parent.radius_m);
     if (parent.radius_m < 2.5 * settings_.noise_m) return false;
     Vec3 u, v;
     plane_frame(parent.direction, u, v);

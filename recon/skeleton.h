@@ -20,6 +20,7 @@ struct LimbNode {
   std::vector<std::uint32_t> points;
   // Filled by measure_radii():
   double radius_m = 0;
+  double seen_radius_m = 0;  ///< before the taper is levelled
   double radius_se_m = 0;
   double coverage = 0;
   bool measured = false;

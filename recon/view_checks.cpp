@@ -3,6 +3,7 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/tree_topology.h"
 #include "recon/image_segmentation.h"
 #include "recon/intervals.h"
 
@@ -20,6 +21,20 @@ std::string name_of(const ViewSet& set, std::size_t view) {
 
 std::string percent(double share) {
   return std::to_string(static_cast<int>(std::lround(100 * share))) + " %";
+}
+
+/// Length of an axis thinner than `radius_m`: from the median, over thin wood, of radius over the square root
+/// of the length beyond.
+double unseen_length_m(const Tree& tree, double radius_m) {
+  const std::vector<double> beyond = length_beyond(tree);
+  std::vector<double> scales;
+  for (std::size_t i = 0; i < tree.size(); ++i)
+    if (tree.radius[i] < 8 * radius_m && tree.quality[i] == RadiusQuality::measured && beyond[i] > 0.05)
+      scales.push_back(tree.radius[i] / std::sqrt(beyond[i]));
+  if (scales.empty()) return 0;
+  const auto middle = scales.begin() + static_cast<std::ptrdiff_t>(scales.size() / 2);
+  std::nth_element(scales.begin(), middle, scales.end());
+  return std::pow(radius_m / *middle, 2);
 }
 
 }  // namespace
@@ -64,7 +79,7 @@ Outline outline_of(const View& view, std::vector<std::string>& warnings) {
     const Silhouette silhouette = find_silhouette(view.photo);
     for (const std::string& warning : silhouette.warnings)
       warnings.push_back(view.photo.name + ": " + warning);
-    return {silhouette.tree, silhouette.width, silhouette.height};
+    return {silhouette.tree, silhouette.width, silhouette.height, silhouette.cover};
   } catch (const SolverError& error) {
     throw SolverError(view.photo.name + ": " + error.what());
   }
@@ -94,6 +109,13 @@ std::string odd_view_warning(const ViewSet& set, std::size_t view, double explai
          " of its mask, and " + percent(missing) +
          " of what they show lies outside it; its pose is wrong, or its mask (give \"mask\" in the cameras "
          "file)";
+}
+
+std::string coarse_warning(double cell_m) {
+  return "the masks leave so much space open (a dense or leafy crown, or too few views for it) that it was "
+         "carved in "
+         "cells of " +
+         std::to_string(std::lround(1000 * cell_m)) + " mm: thinner branches are lost or run together";
 }
 
 std::string disagreement_warning(const ViewSet& set, const std::vector<std::size_t>& views,
@@ -162,6 +184,9 @@ void measure_from_views(Reconstruction& model, const std::vector<Camera>& camera
   model.noise_m = 0.5 * pixel_m;
   model.spacing_m = pixel_m;
   estimate_intervals(model.tree, breast, model.noise_m, pixel_m, model.metrics);
+  // Twigs under half a pixel leave no mark on a mask: the tree may go on above by what its own taper says.
+  Interval& height = model.metrics.intervals["height_m"];
+  height.hi += std::min(0.03 * height.value, unseen_length_m(model.tree, 0.25 * pixel_m));
 }
 
 }  // namespace dendrofit

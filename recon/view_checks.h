@@ -27,6 +27,7 @@ void warn_of_borders(const ViewSet& set, const std::vector<Outline>& outlines,
                      std::vector<std::string>& warnings);
 
 std::string odd_view_warning(const ViewSet& set, std::size_t view, double explained, double missing);
+std::string coarse_warning(double cell_m);
 std::string disagreement_warning(const ViewSet& set, const std::vector<std::size_t>& views,
                                  const std::vector<double>& shares);
 

@@ -127,7 +127,8 @@ constexpr double kTwigLoad = 0.4;
 /// The shoots a coarse model needs for what it is asked to carry; none where its own wood will do.
 TwigGrowth missing_twigs(const Tree& tree, const BearingWood& wood, const LeafOptions& options,
                          double mean_area) {
-  if (!options.complete_twigs || !wood.coarse) return {};
+  // Foliage hides the twigs of a tree scanned in leaf.
+  if (!options.complete_twigs || !(wood.coarse || options.measured)) return {};
   LeafReport ignored;
   Target target = resolve_target(options, wood, mean_area, ignored);
   double area = target.by_count ? target.value * mean_area : target.value;
@@ -200,7 +201,9 @@ LeafResult insert_leaves(const Tree& tree, const LeafOptions& options, Progress&
     for (std::size_t i = 0; i < growth.twigs.size(); ++i)
       result.report.added_twigs_m += growth.twigs.length(i);
     result.report.warnings.push_back(
-        "the model ends coarser than twigs: " + std::to_string(std::lround(result.report.added_twigs_m)) +
+        std::string(wood.coarse ? "the model ends coarser than twigs: "
+                                : "the model has too few twigs for its leaves, as scans in leaf do: ") +
+        std::to_string(std::lround(result.report.added_twigs_m)) +
         " m of leafy shoots were added to its outer wood");
     result.foliage.twigs = std::move(growth.twigs);
   }

@@ -54,8 +54,8 @@ struct LeafOptions {
   std::optional<PointCloud> measured;
   double measured_reach_m = 0.5;  ///< points further from any bearing wood count for none
 
-  /// Where the model ends coarser than twigs and cannot carry the target, shoots are added to its outer wood
-  /// (Foliage::twigs); false: leaves sit on what wood there is.
+  /// Where the model ends coarser than twigs (or was scanned in leaf: `measured`) and cannot carry the
+  /// target, shoots are added to its outer wood (Foliage::twigs); false: leaves sit on what wood there is.
   bool complete_twigs = true;
   double clearance_m = 1e-4;         ///< at least 0.1 mm
   bool on_ground = true;             ///< keep above the level of the tree's foot

@@ -106,7 +106,7 @@ TEST(GrowthCommand, warnings_reach_the_terminal) {
       run_program("growth " + (scratch / "t.csv").string() + " --equations bertalanffy,logistic");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("series 'plot 3'"));
-  EXPECT_THAT(outcome.out, HasSubstr("add older trees"));
+  EXPECT_THAT(outcome.out, HasSubstr("errors are too small: resample whole trees"));
 }
 
 TEST(GrowthCommand, pictures_and_tables_are_written) {

@@ -73,6 +73,16 @@ TEST(Messages, json_tells_a_failure_as_one_object) {
   EXPECT_EQ(run_program("info nowhere.las").out, "");
 }
 
+TEST(Messages, bytes_that_are_no_text_do_not_break_the_json) {
+  const test::ScratchFolder scratch;
+  std::string las = test::content_of(sample_file("young_tree.las"));
+  las.replace(58, 4, "\xff\xfe\x80z");  // the name of the program that wrote it
+  write_file(scratch / "a.las", las);
+  const Outcome outcome = run_program("info --json " + (scratch / "a.las").string());
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_GT(nlohmann::json::parse(outcome.out).at("points"), 1000);
+}
+
 TEST(Messages, every_help_has_an_example_and_every_number_its_default) {
   for (const cli::CommandRow& row : cli::commands()) {
     const Outcome page = run_program(std::string(row.name) + " --help");

@@ -368,6 +368,18 @@ TEST(InsertLeaves, ACoarseModelIsGivenShootsOnlyWhereItsWoodWillNotDo) {
   much.area_m2 = 3;
   EXPECT_TRUE(insert_leaves(tree, much).foliage.twigs.empty());
   EXPECT_TRUE(insert_leaves(bush()).foliage.twigs.empty());
+  // A tree scanned in leaf: its own twigs bear what they can, shoots the rest.
+  LeafOptions in_leaf;
+  in_leaf.area_m2 = 26;
+  EXPECT_TRUE(insert_leaves(bush(), in_leaf).foliage.twigs.empty());
+  PointCloud cloud;
+  for (const Vec3& end : bush().end) cloud.points.push_back(end);
+  in_leaf.measured = cloud;
+  const LeafResult leafy = insert_leaves(bush(), in_leaf);
+  EXPECT_FALSE(leafy.foliage.twigs.empty());
+  EXPECT_GT(leafy.report.achieved_area_m2, 20);
+  in_leaf.area_m2 = 2;
+  EXPECT_TRUE(insert_leaves(bush(), in_leaf).foliage.twigs.empty());
 }
 
 TEST(InsertLeaves, StopsWhenAsked) {

@@ -38,6 +38,26 @@ TEST(Reconstruct, a_half_seen_cylinder_keeps_its_radius) {
   EXPECT_NEAR(r.metrics.dbh_m.value_or(0), 0.16, 0.008);
 }
 
+TEST(Reconstruct, a_stem_seen_as_a_strip_for_a_metre_stays_one_stem_of_its_thickness) {
+  PointCloud cloud;
+  test::add_wood(cloud, {0, 0, 0}, {0.1, 0, 1}, 0.08, 0.077, 0.012, 0.003);
+  test::add_wood(cloud, {0.1, 0, 1}, {0.2, 0, 2}, 0.077, 0.074, 0.012, 0.003, 0.0, 0.2);
+  test::add_wood(cloud, {0.2, 0, 2}, {0.3, 0, 3}, 0.074, 0.07, 0.012, 0.003);
+  const Reconstruction r = reconstruct(cloud);
+  double stem_top = 0;
+  for (std::size_t i = 0; i < r.tree.size(); ++i) {
+    if (r.tree.order[i] != 0) continue;
+    const Vec3 middle = 0.5 * (r.tree.start[i] + r.tree.end[i]) + r.tree.origin_shift;
+    stem_top = std::max(stem_top, r.tree.end[i].z() + r.tree.origin_shift.z());
+    if (middle.z() < 1.1 || middle.z() > 1.9) continue;
+    EXPECT_NEAR(r.tree.radius[i], 0.08 - 0.01 * middle.z() / 3, 0.008) << middle.z();
+    EXPECT_NEAR(middle.x(), 0.1 * middle.z(), 0.02) << middle.z();
+    EXPECT_NEAR(middle.y(), 0, 0.02) << middle.z();
+  }
+  EXPECT_GT(stem_top, 2.9);
+  EXPECT_LT(r.metrics.branch_volume_m3, 0.05 * r.metrics.stem_volume_m3);
+}
+
 TEST(Reconstruct, a_small_tree_has_its_branches_where_they_are) {
   const Reconstruction r = reconstruct(test::small_tree());
   r.tree.validate();

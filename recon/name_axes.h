@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which of a fork's branches is the axis that goes on.
+#pragma once
+
+#include "core/tree.h"
+
+#include <vector>
+
+namespace dendrofit {
+
+/// Sets `axis` and `order` anew: at each fork the thicker branch carries the axis on, as foresters count.
+/// Single radii err, and levelled taper makes them equal about a fork, so the branches are compared by the
+/// median of `seen_radius` (of every node, before levelling) along their first decimetres beyond the crotch,
+/// and among equals the straighter one goes on, then the one with more wood.
+void name_axes(Tree& tree, const std::vector<double>& seen_radius);
+
+}  // namespace dendrofit
