@@ -59,6 +59,7 @@ BENCHMARK(large_tree)
     ->Args({140, 100000})
     ->Args({200, 300000})
     ->Args({400, 1000000})
+    ->Args({800, 3000000})
     ->Iterations(1)
     ->Unit(benchmark::kMillisecond);
 

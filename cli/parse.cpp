@@ -60,7 +60,7 @@ void bind(CLI::App& app, const OptionSpec& spec, std::set<std::string>& given) {
         spec.help);
     option->type_name(spec.positional ? "" : spec.value_name);
     if (!spec.default_text.empty()) option->default_str(spec.default_text);
-    if (spec.repeats && spec.positional) option->expected(1, 1 << 20);
+    if (spec.repeats && spec.positional) option->expected(1, 1 << 20)->allow_extra_args();
     if (spec.repeats && !spec.positional) option->expected(1, spec.several_at_once ? 1 << 20 : 1)->take_all();
     if (!spec.repeats) option->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::Throw);
   }

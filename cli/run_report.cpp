@@ -197,7 +197,7 @@ void write_run_report(const std::filesystem::path& folder, const RunResults& r) 
     data.cost_by_evaluation.emplace_back(static_cast<double>(i + 1), r.fit.cost_history[i]);
   data.leaf_facts = leaf_facts(r.leaves.report);
   for (const auto* list : {&r.observed.model.warnings, &r.fit.warnings, &r.leaves.report.warnings})
-    data.warnings.insert(data.warnings.end(), list->begin(), list->end());
+    for (const std::string& warning : *list) data.warnings.push_back(explained(warning));
   data.side_by_side_png = png;
   data.overlay_png = r.observed.overlay_png;
   data.provenance = provenance_of(r);

@@ -50,7 +50,7 @@ struct FitOptions {
   ObserveTree observe;
   std::vector<SpeciesEstimate> species;  ///< sharpens the posterior
   std::map<std::string, double> held;    ///< coordinates (unit) that the search leaves where they are
-  std::string resume_from;  ///< a checkpoint of the same fit; empty: from the beginning
+  std::string resume_from;               ///< a checkpoint of the same fit; empty: from the beginning
   /// Given a checkpoint after every generation.
   std::function<void(std::string_view checkpoint)> on_checkpoint;
   void validate() const;

@@ -27,9 +27,9 @@ struct ReadCamerasOptions {
 ///                    "camera_from_world": [[r, r, r, t], [r, r, r, t], [r, r, r, t]] }] }
 ///
 /// or world_from_camera instead. Camera axes: x right, y down, z forward; u = fx x (1 + k1 r^2 + k2 r^4) + cx
-/// for normalised x, y. Paths are relative to the file's folder. Throws InputError naming file and field, what
-/// was found and what was expected: unknown or missing keys, other units or models, a pose given twice or not
-/// at all, |det R - 1| > 1e-3 or a mirrored R, pictures that are missing or of another size.
+/// for normalised x, y. Paths are relative to the file's folder. Throws InputError naming file and field,
+/// what was found and what was expected: unknown or missing keys, other units or models, a pose given twice
+/// or not at all, |det R - 1| > 1e-3 or a mirrored R, pictures that are missing or of another size.
 ViewSet read_cameras_json(const std::filesystem::path& file, const ReadCamerasOptions& options = {});
 
 /// A COLMAP text model: cameras.txt and images.txt in `folder` (PINHOLE, SIMPLE_PINHOLE, SIMPLE_RADIAL or

@@ -14,7 +14,7 @@ constexpr double kOnMask = 0.7;    // pixels
 constexpr double kViews = 0.75;    // share that must show the way
 constexpr double kGap = 2;         // pixels
 constexpr double kFarthest = 0.3;  // metres
-constexpr double kShortest = 3;  // pixels: less is no news
+constexpr double kShortest = 3;    // pixels: less is no news
 
 /// Direction of an axis's last 10 cm (at least two cylinders, where it has them).
 Vec3 last_direction(const Tree& tree, const Axis& axis) {

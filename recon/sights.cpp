@@ -46,7 +46,7 @@ void look(const std::vector<Vec3>& points, const Limb& limb, std::size_t node, d
 }
 
 Spread spread_of(const std::vector<Eigen::Vector2d>& flat, std::vector<double>& scratch) {
-  constexpr double kFarthest = 8;  // medians of the squared distance; noise alone leaves 0.4 % beyond
+  constexpr double kFarthest = 6;  // medians of the squared distance; noise alone leaves 2 % beyond
   Spread spread;
   if (flat.size() < kFewestPoints) return spread;
   double limit = 1e300;
@@ -150,7 +150,9 @@ void centre_limbs(std::vector<Limb>& limbs, const Sights& sights, const SightOpt
         const double far = std::abs(t) / reach;
         const Sight& s = sights[l][j];
         if (far >= 1) return false;
-        const double se = std::min(s.centre_se, 2 * limb.nodes[j].rough_radius_m + options.noise_m);
+        // Points that coincide seen along the wood leave no spread at all: never certain beyond a micrometre.
+        const double se =
+            std::max(1e-6, std::min(s.centre_se, 2 * limb.nodes[j].rough_radius_m + options.noise_m));
         const double near = 1 - far * far * far;
         const double w = near * near * near / (se * se);
         w0 += w;

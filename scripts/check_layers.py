@@ -30,7 +30,7 @@ HOMES = {
     "ceres/": ["fit/", "recon/cylinder_fit.cpp", "recon/image_"],
     "CLI/": ["cli/"],
     "pugixml": ["io/read_e57.cpp"],
-    "laszip/": ["io/read_laz.cpp"],
+    "laszip/": ["io/laszip.cpp"],
     "tbb/": ["core/parallel.cpp"],
     "embree": ["forward/virtual_scan/", "forward/leaves/", "cli/report/"],
 }

@@ -73,7 +73,6 @@ Fixed* LightField::new_brick() {
 }
 
 void LightField::make_room(Layer& layer) {
-  if (layer.reach.empty()) return;
   const Rect wanted{layer.reach.x0 >> kBrickBits, layer.reach.y0 >> kBrickBits, layer.reach.x1 >> kBrickBits,
                     layer.reach.y1 >> kBrickBits};
   if (layer.table.holds(wanted)) return;
@@ -233,6 +232,7 @@ void LightField::read(std::span<const Voxel> at, std::span<Fixed> shade) {
   const Queries queries(at, layers_.size());
   for (std::size_t z = 0; z < layers_.size(); ++z) {
     Layer& layer = layers_[z];
+    if (layer.reach.empty()) continue;
     make_room(layer);
     for (const Shadows& shadows : pending_) draw(shadows, static_cast<std::int32_t>(z), layer);
     if (queries.layers[z].y0 <= queries.layers[z].y1) read_layer(layer, z, queries, at, shade);
@@ -246,7 +246,7 @@ void LightField::read_layer(const Layer& layer, std::size_t z, const Queries& qu
   const Queries::Rows& rows = queries.layers[z];
   const Rect& reach = layer.reach;
   const std::int32_t last_x = std::min(rows.x1, reach.x1), last_y = std::min(rows.y1, reach.y1);
-  if (reach.empty() || last_x < reach.x0) return;
+  if (last_x < reach.x0) return;
   const std::int32_t x0 = layer.table.x0 << kBrickBits;  // of the column
   const auto across = static_cast<std::size_t>((last_x >> kBrickBits) - layer.table.x0) + 1;
   column_.assign(across * kBrick, 0);

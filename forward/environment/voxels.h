@@ -4,7 +4,6 @@
 
 #include "core/types.h"
 
-#include <cmath>
 #include <cstdint>
 
 namespace dendrofit {
@@ -22,6 +21,13 @@ constexpr double to_light(Fixed value) {
   return static_cast<double>(value) * (1.0 / static_cast<double>(kFullLight));
 }
 
+/// The largest whole number not above `value`. (std::floor is a function call where the compiler may not
+/// assume SSE 4.1.)
+inline std::int32_t floor_to_int(double value) {
+  const auto whole = static_cast<std::int32_t>(value);
+  return whole - static_cast<std::int32_t>(value < whole);
+}
+
 /// A voxel's indices; z counts upwards from the ground layer 0.
 struct Voxel {
   std::int32_t x = 0, y = 0, z = 0;
@@ -35,9 +41,7 @@ struct VoxelFrame {
 
   Voxel at(const Vec3& position) const {
     const Vec3 cell = (position - origin) / edge_m;
-    return {static_cast<std::int32_t>(std::floor(cell.x() + 0.5)),
-            static_cast<std::int32_t>(std::floor(cell.y() + 0.5)),
-            static_cast<std::int32_t>(std::floor(cell.z() + 0.5))};
+    return {floor_to_int(cell.x() + 0.5), floor_to_int(cell.y() + 0.5), floor_to_int(cell.z() + 0.5)};
   }
 };
 

@@ -115,8 +115,7 @@ MarkerField::MarkerField(const std::vector<Vec3>& position, const std::vector<Fi
 }
 
 int MarkerField::cell_of(double coordinate, int axis) const {
-  return std::clamp(static_cast<int>(std::floor((coordinate - lo_[axis]) / cell_[axis])), 0,
-                    count_[axis] - 1);
+  return std::clamp(floor_to_int((coordinate - lo_[axis]) / cell_[axis]), 0, count_[axis] - 1);
 }
 
 MarkerField::Run MarkerField::run(int x, int y0, int y1, int z) const {

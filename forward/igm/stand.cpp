@@ -111,18 +111,11 @@ Tree to_tree(const Stand& stand, const Vec3& origin_shift, std::vector<std::int3
   tree.reserve(nodes.size());
   tree_of_axis.clear();
   std::vector<std::int32_t> place(nodes.size(), -1);
-  std::vector<std::int32_t> first(stand.axes.size() + 1, 0), by_axis(nodes.size());
-  for (const std::int32_t axis : nodes.axis) ++first[static_cast<std::size_t>(axis) + 1];
-  for (std::size_t a = 0; a < stand.axes.size(); ++a) first[a + 1] += first[a];
-  std::vector<std::int32_t> next(first.begin(), first.end() - 1);
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    by_axis[static_cast<std::size_t>(next[static_cast<std::size_t>(nodes.axis[i])]++)] =
-        static_cast<std::int32_t>(i);
   for (std::size_t a = 0; a < stand.axes.size(); ++a) {
     const double inverse_v = 1.0 / stand.parameters_of_axis(a).pipe_exponent;
     tree_of_axis.push_back(stand.tree_of_axis(a));
-    for (std::int32_t j = first[a]; j < first[a + 1]; ++j) {
-      const auto i = static_cast<std::size_t>(by_axis[static_cast<std::size_t>(j)]);
+    for (const std::int32_t n : stand.nodes_of(a)) {
+      const auto i = static_cast<std::size_t>(n);
       const std::int32_t from = nodes.previous[i];
       TreeNode node;
       node.start = nodes.position[i] - stand.internode(i);

@@ -91,7 +91,7 @@ struct Stand {
 /// their sum.
 void thicken(Stand& stand);
 
-/// The stand as a core tree: axis after axis, stems first among each plant's.
+/// The stand as a core tree: axis after axis, stems first among each plant's. Needs index_axes().
 Tree to_tree(const Stand& stand, const Vec3& origin_shift, std::vector<std::int32_t>& tree_of_axis);
 
 }  // namespace dendrofit::igm

@@ -232,6 +232,10 @@ TEST(Program, only_an_interrupted_fit_can_be_resumed) {
   const Outcome nothing = run("fit " + sample("young_tree_truth.csv") + " --resume -o " + out);
   EXPECT_EQ(nothing.code, 2);
   EXPECT_THAT(nothing.err, HasSubstr("no interrupted fit"));
+  const Outcome several = run("fit " + sample("young_tree_truth.csv") + " " + sample("young_tree_truth.csv") +
+                              " --resume -o " + out);
+  EXPECT_EQ(several.code, 2);
+  EXPECT_THAT(several.err, HasSubstr("one tree at a time"));
   fs::create_directories(out);
   write_file(fs::path(out) / "fit.checkpoint", "dendrofit fit checkpoint 1\nshort");
   const Outcome damaged = run("fit " + sample("young_tree_truth.csv") + " --resume -o " + out);

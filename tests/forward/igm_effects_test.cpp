@@ -140,8 +140,8 @@ TEST(IgmEffects, ageing_and_lightening_shade_bare_the_interior) {
     IgmParameters constant = changing;
     constant.sigma = 0;
     constant.b_min = constant.b_max;
-    const double d = effect(sample(grow_seeds(constant, kSeeds), interior_wood),
-                            sample(grow_seeds(changing, kSeeds), interior_wood));
+    const double d = effect(sample(grow_seeds(constant, kSeeds / 2), interior_wood),
+                            sample(grow_seeds(changing, kSeeds / 2), interior_wood));
     RecordProperty(preset, std::to_string(d));
     EXPECT_LT(d, -2) << preset;
   }

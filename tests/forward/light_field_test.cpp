@@ -108,5 +108,19 @@ TEST(LightField, an_empty_field_is_fully_lit_and_far_extents_are_refused) {
   EXPECT_THROW(ShadeProfile(1.0), InputError);
 }
 
+TEST(LightField, far_nodes_cost_memory_where_they_stand_and_the_limit_holds) {
+  std::vector<Voxel> nodes;
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 30; ++x) nodes.push_back({40 * x, 40 * y, 5});
+  std::vector<Fixed> shade(1);
+  const std::vector<Voxel> at{{1160, 1160, 3}};
+  LightField wide(1), narrow(0.03);
+  wide.cast(nodes, ShadeProfile(2));
+  wide.read(at, shade);
+  EXPECT_EQ(shade[0], ShadeProfile(2)[2]);
+  narrow.cast(nodes, ShadeProfile(2));
+  EXPECT_THROW(narrow.read(at, shade), InputError);
+}
+
 }  // namespace
 }  // namespace dendrofit
