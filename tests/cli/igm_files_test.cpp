@@ -75,7 +75,10 @@ TEST(IgmFiles, a_site_holds_trees_and_obstacles) {
   EXPECT_EQ(site.trees[1].parameters->get("xm"), 70);
   EXPECT_EQ(site.solids.boxes.at(0).max, Vec3(1.5, 1, 4));
   EXPECT_EQ(site.solids.half_spaces.at(0).normal, Vec3(1, 0, 0));
-  write_file(scratch / "bad.toml", "[[box]]\nmin = [1, 2]\n");
+  write_file(scratch / "bad.toml", "[[box]]\nmin = [1, 2, 3]\n");
+  EXPECT_THAT(complaint([&] { load_site(scratch / "bad.toml", {}); }),
+              AllOf(HasSubstr("[[box]]"), HasSubstr("no max")));
+  write_file(scratch / "bad.toml", "[[box]]\nmin = [1, 2]\nmax = [3, 3, 3]\n");
   EXPECT_THAT(complaint([&] { load_site(scratch / "bad.toml", {}); }),
               AllOf(HasSubstr("line 2"), HasSubstr("x, y, z")));
   write_file(scratch / "bad.toml", "[[rock]]\nsize = 3\n");
