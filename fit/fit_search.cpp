@@ -139,11 +139,10 @@ Judged judge(const FitProblem& problem, const NoiseMetric& metric, UnitPoints fi
 Judged settle_scale(const FitProblem& problem, const NoiseMetric& metric, Judged best, Progress& progress) {
   if (problem.options.internode_length_m) return best;
   const auto internodes = static_cast<Eigen::Index>(descriptor_row("internodes"));
-  double height = 0;
-  for (const double log_height : best.simulations.col(internodes))
-    height += std::exp(log_height) / kJudgingSeeds;
+  const int nearest = nearest_simulation(best.simulations, metric);
   const DirectEstimates& direct = problem.setting.observed;
-  const double ratio = std::clamp(direct.size_internodes / height, 0.6, 1.6);
+  const double ratio =
+      std::clamp(direct.size_internodes / std::exp(best.simulations(nearest, internodes)), 0.6, 1.6);
   if (!std::isfinite(ratio)) return best;
   // Shapes do not depend on the internode length, but the diameter at 1.3 m, and so the radii, do.
   FitProblem scaled = problem;
@@ -151,9 +150,8 @@ Judged settle_scale(const FitProblem& problem, const NoiseMetric& metric, Judged
   SimulationLog own(0);  // other trees under the same keys
   Eigen::MatrixXd simulations = scaled.run({best.point}, kJudgingSeeds, best.key, own, progress);
   simulations.col(internodes).array() += std::log(ratio);  // counted in the convention's internodes
-  const double cost = metric.cost(simulations);
-  if (cost >= best.cost) return best;
-  return {best.point, simulations, cost, best.key, direct.internode_length_m * ratio};
+  if (metric.cost(simulations.row(nearest)) > metric.cost(best.simulations.row(nearest))) return best;
+  return {best.point, simulations, metric.cost(simulations), best.key, direct.internode_length_m * ratio};
 }
 
 double seed_floor(const Eigen::MatrixXd& simulations, const NoiseMetric& metric) {

@@ -101,17 +101,21 @@ NoiseMetric::NoiseMetric(const Eigen::MatrixXd& parameters, const Eigen::MatrixX
 }
 
 double NoiseMetric::cost(const Eigen::MatrixXd& simulations, const Eigen::VectorXd& observed) const {
-  const Eigen::VectorXd mean = finite_column_means(simulations);
+  double sum = 0;
+  for (Eigen::Index i = 0; i < simulations.rows(); ++i) sum += cost_of_one(simulations.row(i), observed);
+  return sum / static_cast<double>(simulations.rows());
+}
+
+double NoiseMetric::cost_of_one(const Eigen::RowVectorXd& simulation, const Eigen::VectorXd& observed) const {
   Eigen::VectorXd difference(static_cast<Eigen::Index>(used_.size()));
   double penalty = 0;
   for (std::size_t k = 0; k < used_.size(); ++k) {
-    const double d = observed[used_[k]] - mean[used_[k]];
+    const double d = observed[used_[k]] - simulation[used_[k]];
     difference[static_cast<Eigen::Index>(k)] = std::isfinite(d) ? d : 0;
     if (!std::isfinite(d)) penalty += kMissingPenalty;
   }
-  const Eigen::VectorXd whitened =
-      whitening_ * difference / std::sqrt(1 + 1.0 / static_cast<double>(simulations.rows()));
-  const double distance = whitened.unaryExpr(&huber).sum();
+  // Both trees are one draw each: their difference has twice a tree's variance.
+  const double distance = (whitening_ * difference / std::sqrt(2.0)).unaryExpr(&huber).sum();
   return (distance + penalty) / static_cast<double>(used_.size());
 }
 

@@ -21,9 +21,10 @@ class NoiseMetric {
               const Eigen::VectorXd& observed, const Eigen::VectorXd& error,
               const NoiseMetric* wider = nullptr);
 
-  /// Mean squared distance per descriptor of the observed tree from simulations of one parameter set (rows),
-  /// such that 1 is what another seed of the same tree would have. A descriptor that no simulation has counts
-  /// as 3 sd.
+  /// Squared distance per descriptor of the observed tree from a simulation, averaged over the simulations of
+  /// one parameter set (rows): 1 is what another seed of the same tree would have. Tree by tree, not from
+  /// their mean: parameters whose trees differ wildly are no answer because their average fits. A descriptor
+  /// that a simulation lacks counts as 3 sd.
   double cost(const Eigen::MatrixXd& simulations) const { return cost(simulations, observed_); }
   double cost(const Eigen::MatrixXd& simulations, const Eigen::VectorXd& observed) const;
 
@@ -35,6 +36,8 @@ class NoiseMetric {
   double noise(Eigen::Index descriptor) const { return noise_[descriptor]; }
 
  private:
+  double cost_of_one(const Eigen::RowVectorXd& simulation, const Eigen::VectorXd& observed) const;
+
   Eigen::VectorXd observed_;
   std::vector<Eigen::Index> used_;  ///< columns
   Eigen::VectorXd noise_;           ///< sd per column, NaN where unused
