@@ -137,12 +137,12 @@ Judged judge(const FitProblem& problem, const NoiseMetric& metric, UnitPoints fi
 }
 
 Judged settle_scale(const FitProblem& problem, const NoiseMetric& metric, Judged best, Progress& progress) {
+  best.shown = nearest_simulation(best.simulations, metric);
   if (problem.options.internode_length_m) return best;
   const auto internodes = static_cast<Eigen::Index>(descriptor_row("internodes"));
-  const int nearest = nearest_simulation(best.simulations, metric);
   const DirectEstimates& direct = problem.setting.observed;
   const double ratio =
-      std::clamp(direct.size_internodes / std::exp(best.simulations(nearest, internodes)), 0.6, 1.6);
+      std::clamp(direct.size_internodes / std::exp(best.simulations(best.shown, internodes)), 0.6, 1.6);
   if (!std::isfinite(ratio)) return best;
   // Shapes do not depend on the internode length, but the diameter at 1.3 m, and so the radii, do.
   FitProblem scaled = problem;
@@ -150,8 +150,8 @@ Judged settle_scale(const FitProblem& problem, const NoiseMetric& metric, Judged
   SimulationLog own(0);  // other trees under the same keys
   Eigen::MatrixXd simulations = scaled.run({best.point}, kJudgingSeeds, best.key, own, progress);
   simulations.col(internodes).array() += std::log(ratio);  // counted in the convention's internodes
-  if (metric.cost(simulations.row(nearest)) > metric.cost(best.simulations.row(nearest))) return best;
-  return {best.point, simulations, metric.cost(simulations), best.key, direct.internode_length_m * ratio};
+  return {best.point, simulations, metric.cost(simulations), best.key, direct.internode_length_m * ratio,
+          best.shown};
 }
 
 double seed_floor(const Eigen::MatrixXd& simulations, const NoiseMetric& metric) {

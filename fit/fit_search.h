@@ -38,6 +38,7 @@ struct Judged {
   double cost = 0;
   std::uint64_t key = 0;
   double internode_length_m = 0;
+  int shown = 0;  ///< the simulation nearest to the observed tree, before its scale was settled
 };
 
 inline constexpr int kJudgingSeeds = 8;
@@ -54,8 +55,8 @@ Eigen::VectorXd search(const FitProblem& problem, const NoiseMetric& metric, con
 Judged judge(const FitProblem& problem, const NoiseMetric& metric, UnitPoints finalists,
              std::vector<Tried> tried, std::uint64_t first_key, SimulationLog& log, Progress& progress);
 
-/// Internode length is a convention unless it was given: one that brings the trees to the observed height is
-/// taken where it brings them nearer as a whole.
+/// Internode length is a convention unless it was given, and a scan's height is known to a hundredth: the one
+/// that gives the nearest tree the observed height is taken.
 Judged settle_scale(const FitProblem& problem, const NoiseMetric& metric, Judged best, Progress& progress);
 
 /// Mean distance of each of the trees from the others: what no parameter set can get below.

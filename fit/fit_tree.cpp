@@ -131,7 +131,7 @@ TreeFit fit_tree(const Tree& observed, const FitOptions& options, Progress& prog
   SearchSpace space = problem.space;
   space.set_internode_length(best.internode_length_m);
   fit.best = space.at(best.point);
-  fit.best_seed = simulation_seed(options.seed, best.key, nearest_simulation(best.simulations, metric));
+  fit.best_seed = simulation_seed(options.seed, best.key, best.shown);
   fit.best.tip_radius_m = regrow(fit.best, fit.direct, fit.best_seed, progress).tip_radius_m;
   fit.cost_before = metric.cost(before);
   fit.cost_after = best.cost;

@@ -11,7 +11,10 @@ namespace dendrofit {
 namespace {
 
 constexpr std::uint32_t kFewestPoints = 3;  // a smaller part is a stray, not wood, once a gap lies before it
-constexpr std::size_t kBridgesPerPart = 3;
+constexpr std::size_t kBridgesPerPlace = 3;
+constexpr std::size_t kBridgesPerPart = 24;
+constexpr double kPlaceShare = 0.5;  // of a gap's width: bridges nearer to each other cross at one place
+constexpr std::size_t kMostCandidates = 2048;  // the nearest; gaps are crossed where they are narrow
 constexpr double kGapSpacings = 4;
 constexpr double kGapShare = 1.0;  // of a loose part's extent
 
@@ -56,6 +59,20 @@ double gap_cost(const std::vector<Vec3>& points, const PointGraph& graph, std::u
   };
   // Only the loose part's own direction counts in full: its neighbour may be met anywhere along a branch.
   return width * (1 + bend(outward(points, graph, a), gap) + 0.5 * bend(outward(points, graph, b), -gap));
+}
+
+/// Leaves the cheapest few bridges of each place: where a slab of a scan is missing, every stem that it cuts
+/// crosses on its own. `candidates` are sorted by cost.
+void keep_places(const std::vector<Vec3>& points, std::vector<Bridge>& candidates) {
+  std::vector<Bridge> kept;
+  for (const Bridge& c : candidates) {
+    std::size_t here = 0;
+    for (const Bridge& k : kept)
+      here += (points[k.a] - points[c.a]).norm() < kPlaceShare * std::max(k.gap_m, c.gap_m);
+    if (here < kBridgesPerPlace) kept.push_back(c);
+    if (kept.size() == kBridgesPerPart) break;
+  }
+  candidates = std::move(kept);
 }
 
 }  // namespace
@@ -104,23 +121,29 @@ std::vector<Bridge> bridge_gaps(const std::vector<Vec3>& points, const PointGrap
       const double widest = std::min(
           options.max_gap_m, kGapSpacings * graph.typical_spacing_m + kGapShare * extent[g].size().norm());
       std::vector<Bridge> candidates;
-      bool near_all = false;  // nothing within reach lies beyond the neighbours looked at
-      for (std::size_t k = 24; candidates.empty() && !near_all && k <= 1536; k *= 8) {
-        near_all = true;
+      double reach = widest;
+      // Points in the middle of thick wood have many neighbours of their own before they see across a gap
+      // that thin wood beside them sees at once: look on until each has seen as far as the gaps found ask
+      // for.
+      bool seen_all = false;
+      for (std::size_t k = 24; !seen_all && k <= 1536; k *= 8) {
+        seen_all = true;
         // Big groups: look from few points first; their rim comes up again in later rounds.
         const std::size_t stride = std::max<std::size_t>(1, members[g].size() * k / 400000);
         for (std::size_t m = 0; m < members[g].size(); m += stride) {
           const std::uint32_t s = members[g][m];
           index.nearest(sample[s], k, found);
-          near_all = near_all && found.back().distance_squared > widest * widest;
+          bool across = false;
           for (const Neighbor& f : found) {
-            const std::uint32_t other = groups.root(parts.part[sample_point[f.index]]);
-            if (other == g) continue;
+            if (groups.root(parts.part[sample_point[f.index]]) == g) continue;
             const double gap = std::sqrt(f.distance_squared);
             if (gap <= widest) candidates.push_back({sample_point[s], sample_point[f.index], gap, gap});
+            across = true;
             break;
           }
+          seen_all = seen_all && (across || found.back().distance_squared > reach * reach);
         }
+        for (const Bridge& c : candidates) reach = std::min(reach, 2 * c.gap_m + 2 * graph.typical_spacing_m);
         if (k >= sample.size()) break;
       }
       if (candidates.empty()) {
@@ -130,15 +153,17 @@ std::vector<Bridge> bridge_gaps(const std::vector<Vec3>& points, const PointGrap
       std::sort(candidates.begin(), candidates.end(), [](const Bridge& x, const Bridge& y) {
         return x.gap_m != y.gap_m ? x.gap_m < y.gap_m : (x.a != y.a ? x.a < y.a : x.b < y.b);
       });
-      const double reach = 2 * candidates.front().gap_m + 2 * graph.typical_spacing_m;
+      candidates.erase(std::unique(candidates.begin(), candidates.end(),
+                                   [](const Bridge& x, const Bridge& y) { return x.a == y.a && x.b == y.b; }),
+                       candidates.end());
       while (candidates.back().gap_m > reach) candidates.pop_back();
-      if (candidates.size() > 64) candidates.resize(64);
+      if (candidates.size() > kMostCandidates) candidates.resize(kMostCandidates);
       for (Bridge& c : candidates)
         c.cost_m = step_cost(gap_cost(points, graph, c.a, c.b), graph.typical_spacing_m);
       std::sort(candidates.begin(), candidates.end(), [](const Bridge& x, const Bridge& y) {
         return x.cost_m != y.cost_m ? x.cost_m < y.cost_m : (x.a != y.a ? x.a < y.a : x.b < y.b);
       });
-      if (candidates.size() > kBridgesPerPart) candidates.resize(kBridgesPerPart);
+      keep_places(points, candidates);
       fresh.insert(fresh.end(), candidates.begin(), candidates.end());
     }
     for (const Bridge& b : fresh) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "recon/graph.h"
 
+#include "tests/recon/hand_made_clouds.h"
+
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -33,6 +35,23 @@ TEST(Graph, gaps_part_it_and_bridges_join_it_again) {
   EXPECT_EQ(after.order.size(), 30u);  // the stray stays out
   EXPECT_NEAR(after.length[29], 0.44, 1e-4);
   EXPECT_EQ(after.parent[30], Paths::kNone);
+}
+
+TEST(Graph, a_stem_crosses_a_gap_although_a_thin_branch_beside_it_sees_across_first) {
+  // A slab of the scan is missing; the stem's points have hundreds of its own before the first beyond the
+  // gap.
+  PointCloud cloud;
+  test::add_wood(cloud, {0, 0, 0}, {0, 0, 1.8}, 0.15, 0.14, 0.02);
+  test::add_wood(cloud, {0.14, 0, 1.5}, {1.4, 0, 1.75}, 0.02, 0.01, 0.02);
+  test::add_wood(cloud, {0, 0, 2.3}, {0, 0, 4}, 0.12, 0.08, 0.02);
+  test::add_wood(cloud, {0.1, 0, 2.8}, {1.4, 0, 2.25}, 0.02, 0.01, 0.02);
+  const PointGraph graph = neighbor_graph(cloud.points);
+  const Parts parts = connected_parts(graph, std::vector<char>(cloud.size(), 1));
+  ASSERT_EQ(parts.points.size(), 2u);
+  bool on_the_stem = false;
+  for (const Bridge& b : bridge_gaps(cloud.points, graph, parts))
+    on_the_stem |= cloud.points[b.a].head<2>().norm() < 0.16 && cloud.points[b.b].head<2>().norm() < 0.16;
+  EXPECT_TRUE(on_the_stem);
 }
 
 TEST(Graph, no_bridge_is_wider_than_allowed) {
