@@ -14,6 +14,7 @@ constexpr double kIdentifiableShrinkage = 0.3;
 constexpr double kPairedShrinkage = 0.1;
 constexpr double kPairCorrelation = 0.6;
 constexpr double kPoorCost = 4;  // 2 sd a descriptor
+constexpr double kErratic = 2;   // trees of one parameter set that differ this much are not one kind of tree
 constexpr int kFewForPosterior = 100;
 // A tree that lacks more of the descriptors, or is stranger in more of them, is outside what the simulations
 // know: what regressions say there is guessing.
@@ -161,7 +162,7 @@ void warn(const FitProblem& problem, const PosteriorSample& posterior, TreeFit& 
         "this tree is unlike any the growth model grows (or has hardly any branches to compare): no "
         "parameter "
         "can be told from it");
-  if (fit.cost_after > kPoorCost) {
+  if (fit.cost_after > kPoorCost || fit.seed_floor > kErratic) {
     for (FittedParameter& p : fit.parameters) p.identifiable = false;
     auto worst = fit.descriptors;
     std::stable_sort(worst.begin(), worst.end(), [](const DescriptorFit& a, const DescriptorFit& b) {

@@ -23,6 +23,14 @@ constexpr std::array kNeverSearched = {"shape", "pipe_exponent", "tip_share", "t
 /// sd of a uniform prior on the unit interval
 const double kUniform = 1 / std::sqrt(12.0);
 
+/// Row of the simulation nearest to the observed tree.
+int nearest_simulation(const Eigen::MatrixXd& simulations, const NoiseMetric& metric) {
+  int best = 0;
+  for (int i = 1; i < simulations.rows(); ++i)
+    if (metric.cost(simulations.row(i)) < metric.cost(simulations.row(best))) best = i;
+  return best;
+}
+
 }  // namespace
 
 Eigen::VectorXd SearchBox::full(const Eigen::VectorXd& inner) const {
@@ -142,7 +150,7 @@ Judged settle_scale(const FitProblem& problem, const NoiseMetric& metric, Judged
   const auto internodes = static_cast<Eigen::Index>(descriptor_row("internodes"));
   const DirectEstimates& direct = problem.setting.observed;
   const double ratio =
-      std::clamp(direct.size_internodes / std::exp(best.simulations(best.shown, internodes)), 0.6, 1.6);
+      std::clamp(direct.size_internodes / std::exp(best.simulations(best.shown, internodes)), 0.25, 4.0);
   if (!std::isfinite(ratio)) return best;
   // Shapes do not depend on the internode length, but the diameter at 1.3 m, and so the radii, do.
   FitProblem scaled = problem;
@@ -162,13 +170,6 @@ double seed_floor(const Eigen::MatrixXd& simulations, const NoiseMetric& metric)
     sum += metric.cost(others, simulations.row(i).transpose());
   }
   return sum / static_cast<double>(simulations.rows());
-}
-
-int nearest_simulation(const Eigen::MatrixXd& simulations, const NoiseMetric& metric) {
-  int best = 0;
-  for (int i = 1; i < simulations.rows(); ++i)
-    if (metric.cost(simulations.row(i)) < metric.cost(simulations.row(best))) best = i;
-  return best;
 }
 
 }  // namespace dendrofit

@@ -62,9 +62,6 @@ Judged settle_scale(const FitProblem& problem, const NoiseMetric& metric, Judged
 /// Mean distance of each of the trees from the others: what no parameter set can get below.
 double seed_floor(const Eigen::MatrixXd& simulations, const NoiseMetric& metric);
 
-/// Row of the simulation nearest to the observed tree.
-int nearest_simulation(const Eigen::MatrixXd& simulations, const NoiseMetric& metric);
-
 /// Minimum of a surrogate of the descriptors (linear with squares, least squares on what was tried) found by
 /// Ceres within the box; nothing where too little was tried.
 std::optional<Eigen::VectorXd> refine_on_surrogate(const std::vector<Tried>& tried, const SearchBox& box,
