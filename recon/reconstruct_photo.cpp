@@ -2,9 +2,9 @@
 #include "recon/reconstruct_photo.h"
 
 #include "core/errors.h"
-#include "recon/image_lift.h"
-#include "recon/image_sky.h"
-#include "recon/photo_metrics.h"
+#include "recon/image/lift.h"
+#include "recon/image/photo_metrics.h"
+#include "recon/image/sky.h"
 
 #include <cmath>
 

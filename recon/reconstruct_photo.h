@@ -6,9 +6,9 @@
 #include "core/photograph.h"
 #include "core/progress.h"
 #include "core/tree.h"
-#include "recon/image_frame.h"
-#include "recon/image_segmentation.h"
-#include "recon/image_skeleton.h"
+#include "recon/image/frame.h"
+#include "recon/image/segmentation.h"
+#include "recon/image/skeleton.h"
 
 #include <cstdint>
 #include <optional>

@@ -3,13 +3,13 @@
 
 #include "core/errors.h"
 #include "core/tree_topology.h"
-#include "recon/image_agreement.h"
-#include "recon/image_foot.h"
-#include "recon/image_poses.h"
-#include "recon/image_redundancy.h"
-#include "recon/image_settle.h"
-#include "recon/image_tips.h"
-#include "recon/view_checks.h"
+#include "recon/image/agreement.h"
+#include "recon/image/foot.h"
+#include "recon/image/poses.h"
+#include "recon/image/redundancy.h"
+#include "recon/image/settle.h"
+#include "recon/image/tips.h"
+#include "recon/image/view_checks.h"
 
 #include <algorithm>
 #include <array>

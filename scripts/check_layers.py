@@ -24,10 +24,10 @@ ALLOWED = {
 HOMES = {
     "nanoflann": ["core/neighbors.cpp"],
     "pcl/": ["io/read_", "recon/preprocess.cpp"],
-    "opencv2": ["recon/image_"],
+    "opencv2": ["recon/image/"],
     "jpeglib.h": ["io/read_jpeg.cpp"],
     "CGAL/": ["core/convex_hull.cpp", "forward/leaves/"],
-    "ceres/": ["fit/", "recon/cylinder_fit.cpp", "recon/image_"],
+    "ceres/": ["fit/", "recon/cylinder_fit.cpp", "recon/image/"],
     "CLI/": ["cli/"],
     "pugixml": ["io/read_e57.cpp"],
     "laszip/": ["io/laszip.cpp"],

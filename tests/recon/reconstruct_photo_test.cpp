@@ -4,7 +4,7 @@
 #include "core/errors.h"
 #include "io/read_cameras.h"
 #include "io/read_image.h"
-#include "tests/recon/drawn_silhouettes.h"
+#include "tests/recon/image/drawn_silhouettes.h"
 #include "tests/support/shared_data.h"
 
 #include <gmock/gmock.h>

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "recon/image/cover.h"
+
+#include "recon/image/distance.h"
+
+#include <algorithm>
+
+namespace dendrofit {
+namespace {
+
+/// Mean ratio of the pixels well inside wood within three pixels of (x, y); `otherwise` where there is none.
+float bark_near(const Silhouette& s, const SkyRatio& sky, const std::vector<float>& inside, int x, int y,
+                float otherwise) {
+  float sum = 0;
+  int count = 0;
+  for (int ny = std::max(0, y - 3); ny <= std::min(s.height - 1, y + 3); ++ny)
+    for (int nx = std::max(0, x - 3); nx <= std::min(s.width - 1, x + 3); ++nx)
+      if (inside[s.pixel(nx, ny)] >= 2.5f) {
+        sum += sky.ratio[s.pixel(nx, ny)];
+        ++count;
+      }
+  return count > 0 ? std::min(sum / static_cast<float>(count), 0.8f) : otherwise;
+}
+
+}  // namespace
+
+void set_cover(Silhouette& s, const SkyRatio& sky) {
+  const std::vector<float> inside = distance_inside(s.tree, s.width, s.height);
+  std::vector<float> bark;
+  for (std::size_t p = 0; p < inside.size(); ++p)
+    if (inside[p] >= 2.5f) bark.push_back(sky.ratio[p]);
+  float dark = 0.35f;
+  if (bark.size() > 50) {
+    auto middle = bark.begin() + static_cast<std::ptrdiff_t>(bark.size() / 2);
+    std::nth_element(bark.begin(), middle, bark.end());
+    dark = std::min(*middle, 0.75f);
+  }
+  s.cover.assign(s.tree.size(), 0);
+  for (int y = 0; y < s.height; ++y)
+    for (int x = 0; x < s.width; ++x) {
+      const std::size_t p = s.pixel(x, y);
+      if (y >= sky.horizon[static_cast<std::size_t>(x)]) {
+        s.cover[p] = s.tree[p];
+        continue;
+      }
+      const float own = s.tree[p] ? bark_near(s, sky, inside, x, y, dark) : dark;
+      s.cover[p] = std::clamp((1 - sky.ratio[p]) / (1 - own), 0.0f, 1.0f);
+    }
+}
+
+}  // namespace dendrofit
