@@ -8,6 +8,7 @@
 #include "core/atomic_file.h"
 #include "core/errors.h"
 #include "forward/igm/grow.h"
+#include "io/json_text.h"
 #include "io/metrics_json.h"
 #include "io/read_tree.h"
 #include "io/write_tree.h"
@@ -58,7 +59,9 @@ class Grow : public Command {
     const IgmGrowth growth = grow_igm(parameters, site, resolve_options(session, folder), session.progress());
     const TreeMetrics metrics = measure(growth.tree);
     const std::vector<TreeMetrics> each = measure_each(growth, site);
-    write_tree_files(folder, growth.tree, metrics, meshes_, each);
+    // A tree that goes on stands where it stood.
+    const std::string crs = from_.empty() ? std::string() : crs_beside(from_);
+    write_tree_files(folder, growth.tree, metrics, meshes_, {.trees = each, .crs = crs});
     write_file(folder / "growth.csv", growth_series_csv(growth.series));
     write_file(folder / "params.toml", igm_parameters_toml(parameters, {}));
     write_file(folder / "run.toml", run_record(session, inputs()));
@@ -73,7 +76,7 @@ class Grow : public Command {
       names.push_back({{"name", preset.name}, {"summary", preset.summary}});
       session.say(fmt::format("{:<12}{}", preset.name, preset.summary));
     }
-    session.json(nlohmann::ordered_json{{"presets", names}}.dump(2));
+    session.json(json_text({{"presets", names}}));
     return 0;
   }
 
@@ -143,13 +146,11 @@ class Grow : public Command {
 
   static void report(const Session& session, const IgmGrowth& growth, const TreeMetrics& metrics,
                      std::span<const TreeMetrics> trees, const fs::path& folder) {
-    session.json(
-        nlohmann::ordered_json{{"output", folder.string()},
-                               {"last_cycle", growth.last_cycle},
-                               {"stop_reason", growth.stop_reason},
-                               {"cylinders", growth.tree.size()},
-                               {"metrics", nlohmann::ordered_json::parse(metrics_to_json(metrics, trees))}}
-            .dump(2));
+    session.json(json_text({{"output", folder.string()},
+                            {"last_cycle", growth.last_cycle},
+                            {"stop_reason", growth.stop_reason},
+                            {"cylinders", growth.tree.size()},
+                            {"metrics", nlohmann::ordered_json::parse(metrics_to_json(metrics, trees))}}));
     const int first = growth.series.empty() ? 0 : growth.series.front().cycle;
     if (first > 0 && growth.last_cycle <= first)
       session.warn(

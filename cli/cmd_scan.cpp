@@ -7,6 +7,7 @@
 #include "core/atomic_file.h"
 #include "core/errors.h"
 #include "forward/virtual_scan/virtual_scan.h"
+#include "io/json_text.h"
 #include "io/metrics_json.h"
 #include "io/read_tree.h"
 #include "io/write_cloud.h"
@@ -67,11 +68,11 @@ class Scan : public Command {
       leaves = insert_leaves(tree, leaf_options, session.progress());
       say_leaves(session, leaves);
     }
-    const VirtualScan scan =
-        scan_tree(tree, leaf_on_ ? &leaves.foliage : nullptr, options, session.progress());
+    VirtualScan scan = scan_tree(tree, leaf_on_ ? &leaves.foliage : nullptr, options, session.progress());
     if (scan.cloud.empty())
       throw SolverError(
           "no beam hit anything: the tree stands beyond --max-range, or --step is too coarse for it");
+    scan.cloud.crs_wkt = crs_beside(tree_);
     write_point_cloud(output_, scan.cloud);
     write_qsm_csv(beside("_truth.csv"), tree);
     write_truth(scan, tree);
@@ -79,9 +80,8 @@ class Scan : public Command {
     if (hits_) write_hits(scan);
     write_file(beside("_run.toml"), run_record(session, {tree_}));
 
-    session.json(nlohmann::ordered_json{
-        {"output", output_.string()}, {"points", scan.cloud.size()}, {"stations", scan.positions.size()}}
-                     .dump(2));
+    session.json(json_text(
+        {{"output", output_.string()}, {"points", scan.cloud.size()}, {"stations", scan.positions.size()}}));
     session.say(fmt::format("{} points from {} stations: {}; truth in {} and {}", scan.cloud.size(),
                             scan.positions.size(), output_.string(), beside("_truth.csv").filename().string(),
                             beside("_truth.json").filename().string()));
@@ -99,7 +99,7 @@ class Scan : public Command {
     for (const Vec3& p : scan.positions) stations.push_back({p.x(), p.y(), p.z()});
     json["stations_local"] = stations;
     json["points"] = scan.cloud.size();
-    write_file(beside("_truth.json"), json.dump(2) + "\n");
+    write_file(beside("_truth.json"), json_text(json) + "\n");
   }
 
   void write_hits(const VirtualScan& scan) const {

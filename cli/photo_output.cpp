@@ -4,6 +4,7 @@
 #include "cli/report/overlay.h"
 #include "cli/tree_files.h"
 #include "core/atomic_file.h"
+#include "io/json_text.h"
 #include "io/metrics_json.h"
 
 #include <cmath>
@@ -43,7 +44,7 @@ std::string photo_metrics_json(const PhotoReconstruction& result) {
           key != "dbh_height_m" && key != "intervals")
         untold.push_back(key);
   for (const std::string& key : untold) json[key] = nullptr;
-  return json.dump(2) + "\n";
+  return json_text(json) + "\n";
 }
 
 std::string photo_reconstruction_json(const PhotoReconstruction& r) {
@@ -72,7 +73,7 @@ std::string photo_reconstruction_json(const PhotoReconstruction& r) {
                      {"measured", {"projection", "diameters", "angles in the picture"}},
                      {"extrapolated", {"depth", "azimuths", "lengths", "volume"}},
                      {"warnings", r.warnings}};
-  return json.dump(2) + "\n";
+  return json_text(json) + "\n";
 }
 
 std::string photo_overlay(const PhotoInput& input, const PhotoReconstruction& result) {

@@ -5,6 +5,7 @@
 #include "cli/parse.h"
 #include "cli/tree_files.h"
 #include "core/atomic_file.h"
+#include "io/json_text.h"
 #include "io/write_cloud.h"
 
 #include <fmt/format.h>
@@ -72,12 +73,12 @@ std::string reconstruction_json(const Reconstruction& r) {
                      {"leaf_profile", layers},
                      {"bridged_gaps", r.bridged_gaps},
                      {"warnings", r.warnings}};
-  return json.dump(2) + "\n";
+  return json_text(json) + "\n";
 }
 
 void write_reconstruction(const std::filesystem::path& folder, const Reconstruction& result,
-                          const std::vector<std::string>& mesh_formats) {
-  write_tree_files(folder, result.tree, result.metrics, mesh_formats);
+                          const std::vector<std::string>& mesh_formats, const std::string& crs) {
+  write_tree_files(folder, result.tree, result.metrics, mesh_formats, {.crs = crs});
   write_file(folder / "reconstruction.json", reconstruction_json(result));
   if (!result.leaf_points.empty()) write_point_cloud(folder / "leaf_points.ply", result.leaf_points);
 }

@@ -3,6 +3,7 @@
 
 #include "core/atomic_file.h"
 #include "io/file_bytes.h"
+#include "io/json_text.h"
 
 #include <cmath>
 
@@ -69,18 +70,23 @@ Json object_of(const TreeMetrics& metrics) {
 
 }  // namespace
 
-std::string metrics_to_json(const TreeMetrics& metrics, std::span<const TreeMetrics> trees) {
+std::string metrics_to_json(const TreeMetrics& metrics, std::span<const TreeMetrics> trees,
+                            const std::string& crs) {
   Json json = object_of(metrics);
+  if (!crs.empty()) json["crs"] = crs;
   for (const TreeMetrics& tree : trees) json["trees"].push_back(object_of(tree));
-  return json.dump(1) + "\n";
+  return json_text(json, 1) + "\n";
 }
 
 void write_metrics(const std::filesystem::path& path, const TreeMetrics& metrics,
-                   std::span<const TreeMetrics> trees) {
-  write_file(path, metrics_to_json(metrics, trees));
+                   std::span<const TreeMetrics> trees, const std::string& crs) {
+  write_file(path, metrics_to_json(metrics, trees, crs));
 }
 
-TreeMetrics metrics_from_json(const std::filesystem::path& path) {
+namespace {
+
+/// The object of a metrics.json.
+Json read_object(const std::filesystem::path& path) {
   const FileBytes bytes(path);
   Json json;
   try {
@@ -92,6 +98,21 @@ TreeMetrics metrics_from_json(const std::filesystem::path& path) {
   }
   if (!json.is_object() || !json.contains("height_m"))
     fail_in_file(path, "no object with the key height_m; expected a metrics.json as reconstruct writes it");
+  return json;
+}
+
+}  // namespace
+
+std::string crs_beside(const std::filesystem::path& tree_model) {
+  const std::filesystem::path path = tree_model.parent_path() / "metrics.json";
+  if (tree_model.filename() != "qsm.csv" || !std::filesystem::is_regular_file(path)) return {};
+  const Json json = read_object(path);
+  const auto found = json.find("crs");
+  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+TreeMetrics metrics_from_json(const std::filesystem::path& path) {
+  const Json json = read_object(path);
   TreeMetrics metrics;
   std::string key;
   try {
