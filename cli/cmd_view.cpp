@@ -133,7 +133,7 @@ class View : public Command {
   }
 
   void write_page(Session& session, const Image& image) const {
-    ReportData data;
+    ReportData data = folder_.report;
     const fs::path named = what_.has_filename() ? what_ : what_.parent_path();
     data.title = fs::is_directory(what_) ? named.filename().string() : named.stem().string();
     if (!clouds_.empty()) data.scan = &clouds_.front();
@@ -144,11 +144,13 @@ class View : public Command {
     data.leaves_on_model = folder_.bearer() == data.model;
     data.model_metrics = pointer(folder_.model_metrics);
     data.regrown_metrics = pointer(folder_.regrown_metrics);
-    data.curves = folder_.curves;
     data.side_by_side_png = encode_png(image);
-    data.provenance.version = version();
-    data.provenance.command_line = fmt::format("dendrofit view {}", named.filename().string());
-    data.provenance.input_name = named.filename().string();
+    data.overlay_png = folder_.overlay_png;
+    if (data.provenance.version.empty()) {  // else the run that made the folder says how
+      data.provenance.version = version();
+      data.provenance.command_line = fmt::format("dendrofit view {}", named.filename().string());
+      data.provenance.input_name = named.filename().string();
+    }
     write_file(html_, make_report(data, {}, session.progress()));
   }
 

@@ -53,6 +53,21 @@ function leafGeometry(shape) {
   return geometry;
 }
 
+/// Four corners of the blade: foot, widest left, tip, widest right.
+function coarseLeaf(shape) {
+  const corner = (better) => {
+    let best = 0;
+    for (let k = 1; k < shape.vertices.length / 3; ++k) if (better(k, best)) best = k;
+    return shape.vertices.slice(3 * best, 3 * best + 3);
+  };
+  const x = (k) => shape.vertices[3 * k];
+  const y = (k) => shape.vertices[3 * k + 1];
+  return leafGeometry({
+    vertices: [corner((a, b) => y(a) < y(b)), corner((a, b) => x(a) > x(b)), corner((a, b) => y(a) > y(b)), corner((a, b) => x(a) < x(b))].flat(),
+    triangles: [0, 1, 2, 0, 2, 3],
+  });
+}
+
 export function leafMeshes(data, colour) {
   const group = new Group();
   const blades = [];
@@ -66,7 +81,9 @@ export function leafMeshes(data, colour) {
     const members = [];
     for (let k = 0; k < data.shape.length; ++k) if (data.shape[k] === kind) members.push(k);
     if (!members.length) return;
-    const mesh = new InstancedMesh(leafGeometry(shape), new MeshLambertMaterial({ side: 2 }), members.length);
+    const fine = leafGeometry(shape);
+    const coarse = shape.triangles.length > 6 ? coarseLeaf(shape) : fine;
+    const mesh = new InstancedMesh(fine, new MeshLambertMaterial({ side: 2 }), members.length);
     members.forEach((k, i) => {
       direction.fromArray(data.frame, 6 * k).normalize();
       normal.fromArray(data.frame, 6 * k + 3);
@@ -80,11 +97,14 @@ export function leafMeshes(data, colour) {
     });
     mesh.frustumCulled = false;
     group.add(mesh);
-    blades.push([mesh, members.length]);
+    blades.push([mesh, members.length, fine, coarse]);
   });
   // Leaves come in random order, as the points do.
   group.setDetail = (share) => {
-    for (const [mesh, count] of blades) mesh.count = Math.min(count, Math.max(2000, Math.round(share * count)));
+    for (const [mesh, count, fine, coarse] of blades) {
+      mesh.count = Math.min(count, Math.max(2000, Math.round(share * count)));
+      mesh.geometry = share < 0.5 ? coarse : fine;
+    }
     stalks.visible = share > 0.5;
   };
   const stalks = petioles(data, colour);
