@@ -2,6 +2,7 @@
 #include "cli/report_file.h"
 
 #include "io/file_bytes.h"
+#include "io/json_numbers.h"
 #include "io/json_text.h"
 
 #include <cmath>
@@ -41,13 +42,19 @@ Json written(const std::vector<Value>& list);
 void read(const Json& json, double& value) {
   value = json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
 }
-template <class Value>
-void read(const Json& json, std::optional<Value>& value) {
-  value = json.is_null() ? std::nullopt : std::optional(json.get<Value>());
+void read(const Json& json, std::string& value) {
+  value = json.get<std::string>();
+}
+void read(const Json& json, bool& value) {
+  value = json.get<bool>();
+}
+void read(const Json& json, std::uint64_t& value) {
+  value = whole_number(json);
 }
 template <class Value>
-void read(const Json& json, Value& value) {
-  value = json.get<Value>();
+void read(const Json& json, std::optional<Value>& value) {
+  value.reset();
+  if (!json.is_null()) read(json, value.emplace());
 }
 template <class First, class Second>
 void read(const Json& json, std::pair<First, Second>& pair) {

@@ -3,9 +3,11 @@
 
 #include "core/atomic_file.h"
 #include "io/file_bytes.h"
+#include "io/json_numbers.h"
 #include "io/json_text.h"
 
 #include <cmath>
+#include <stdexcept>
 
 #include <nlohmann/json.hpp>
 
@@ -53,6 +55,15 @@ void from_json(const Json& json, Value& value) {
 
 void from_json(const Json& json, std::optional<double>& value) {
   value = json.is_null() ? std::nullopt : std::optional(json.get<double>());
+}
+
+void from_json(const Json& json, std::vector<int>& counts) {
+  counts.clear();
+  for (const Json& item : json) {
+    const std::uint64_t count = whole_number(item);
+    if (count > 1'000'000'000) throw std::out_of_range("a count of " + std::to_string(count));
+    counts.push_back(static_cast<int>(count));
+  }
 }
 
 Json object_of(const TreeMetrics& metrics) {
@@ -131,7 +142,7 @@ TreeMetrics metrics_from_json(const std::filesystem::path& path) {
       for (const auto& [name, i] : intervals->items())
         metrics.intervals[name] = {i.at("value").get<double>(), i.at("lo").get<double>(),
                                    i.at("hi").get<double>()};
-  } catch (const Json::exception& error) {
+  } catch (const std::exception& error) {
     fail_in_file(path, "key '" + key + "': " + error.what());
   }
   return metrics;

@@ -2,6 +2,7 @@
 #include "io/read_foliage.h"
 
 #include "io/file_bytes.h"
+#include "io/json_numbers.h"
 
 #include <cmath>
 #include <vector>
@@ -42,11 +43,11 @@ class Glb {
   /// An accessor's numbers, `width` to an element.
   template <class Number>
   std::vector<Number> numbers(const Json& index, std::size_t width) const {
-    const Json& accessor = json_.at("accessors").at(index.get<std::size_t>());
-    const Json& view = json_.at("bufferViews").at(accessor.at("bufferView").get<std::size_t>());
+    const Json& accessor = json_.at("accessors").at(whole_number(index));
+    const Json& view = json_.at("bufferViews").at(whole_number(accessor.at("bufferView")));
     const std::uint64_t offset =
-        view.value("byteOffset", std::uint64_t{0}) + accessor.value("byteOffset", std::uint64_t{0});
-    const auto count = accessor.at("count").get<std::uint64_t>();
+        whole_number_or(view, "byteOffset", 0) + whole_number_or(accessor, "byteOffset", 0);
+    const auto count = whole_number(accessor.at("count"));
     if (count > data_size_ || offset > data_size_ || count * width * sizeof(Number) > data_size_ - offset)
       fail_in_file(bytes_.path(), "an accessor reaches past the binary chunk");
     std::vector<Number> out(count * width);
@@ -89,8 +90,7 @@ std::vector<Placed> instances_of(const Glb& glb, const Json& node) {
 }
 
 LeafShape shape_of(const Glb& glb, const Json& node) {
-  const Json& primitive =
-      glb.json().at("meshes").at(node.at("mesh").get<std::size_t>()).at("primitives").at(0);
+  const Json& primitive = glb.json().at("meshes").at(whole_number(node.at("mesh"))).at("primitives").at(0);
   LeafShape shape;
   const auto vertices = glb.numbers<float>(primitive.at("attributes").at("POSITION"), 3);
   for (std::size_t i = 0; i + 2 < vertices.size(); i += 3)
@@ -98,7 +98,7 @@ LeafShape shape_of(const Glb& glb, const Json& node) {
   const auto corners = glb.numbers<std::uint32_t>(primitive.at("indices"), 1);
   for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
     shape.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
-  shape.name = "shape " + std::to_string(node.at("mesh").get<std::size_t>() + 1);
+  shape.name = "shape " + std::to_string(whole_number(node.at("mesh")) + 1);
   return shape;
 }
 

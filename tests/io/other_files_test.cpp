@@ -258,6 +258,14 @@ TEST(Metrics, ReadBackAsWritten) {
 
 TEST(Metrics, RefuseWhatIsNoMetricsFile) {
   const TemporaryFolder folder;
+  for (const char* count : {"2.3e26", "-1", "0.5", "4000000000", "\"1\""})
+    EXPECT_THAT(
+        refusal([&] {
+          metrics_from_json(folder.file(
+              "m.json", std::string("{\"height_m\": 1, \"branch_count_by_order\": [") + count + "]}"));
+        }),
+        HasSubstr("branch_count_by_order"))
+        << count;
   EXPECT_THAT(refusal([&] { metrics_from_json(folder.file("m.json", "{\"height_m\": }")); }),
               HasSubstr("byte 14"));
   EXPECT_THAT(refusal([&] { metrics_from_json(folder.file("m.json", "{\"dbh_m\": 1}")); }),
