@@ -105,7 +105,7 @@ ReportProvenance provenance_of(const RunResults& r) {
   p.input_checksum = "crc32:" + checksum(r.observed.file());
   p.crs = r.observed.scan.crs_wkt;
   for (const OptionSpec& option : r.session.options().all())
-    if (!option.positional && !option.current().empty() && option.name != "--output")
+    if (changes_results(option) && !option.current().empty())
       p.options.emplace_back(option.name, option.current());
   for (const auto& [stage, seconds] : r.watch.laps()) p.stages.push_back({stage, seconds});
   return p;

@@ -20,13 +20,10 @@ struct MetricRow {
   bool headline = false;  ///< on the first screen
 };
 
-/// Volumes of wood in litres below a cubic metre, else in cubic metres: one unit for the whole page.
 std::vector<MetricRow> metric_rows(const ReportData& data) {
-  double wood = 0;
-  for (const TreeMetrics* metrics : {data.model_metrics, data.regrown_metrics})
-    if (metrics) wood = std::max(wood, metrics->total_volume_m3);
-  const char* unit = wood < 1 ? "litres" : "m\xc2\xb3";
-  const double factor = wood < 1 ? 1000 : 1;
+  const VolumeUnit volume = volume_unit(data);
+  const char* unit = volume.words;
+  const double factor = volume.per_m3;
   using M = const TreeMetrics&;
   using Value = std::optional<double>;
   return {
@@ -74,6 +71,13 @@ std::string cards(std::string table) {
 }
 
 }  // namespace
+
+VolumeUnit volume_unit(const ReportData& data) {
+  double wood = 0;
+  for (const TreeMetrics* metrics : {data.model_metrics, data.regrown_metrics})
+    if (metrics) wood = std::max(wood, metrics->total_volume_m3);
+  return wood < 1 ? VolumeUnit{"litres", 1000} : VolumeUnit{"m\xc2\xb3", 1};
+}
 
 std::string headline(const ReportData& data) {
   std::string out;
