@@ -172,7 +172,7 @@ std::string parameter_table(const ReportData& data) {
     out +=
         "<p class=\"quiet\">\xe2\x80\x9cNot identifiable\xe2\x80\x9d: this tree alone does not tell the "
         "value from others within its interval; do not read biology into it.</p>\n";
-  if (!given.rows.empty()) out += given.html();
+  if (!given.rows.empty()) out += cards(given.html());
   return out;
 }
 

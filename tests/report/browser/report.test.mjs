@@ -219,6 +219,17 @@ const checks = {
     await page.setViewportSize({ width: 1280, height: 900 });
   },
 
+  async 'a view that was not touched fits its frame again after the frame changes'({ page }) {
+    await page.click('#look-whole');
+    await settle(page);
+    const before = await canvasPixels(page);
+    await page.setViewportSize({ width: 600, height: 1400 });
+    await settle(page);
+    await page.setViewportSize({ width: 1280, height: 900 });
+    await settle(page);
+    assert.equal((await canvasPixels(page)).hash, before.hash);
+  },
+
   async 'it prints'({ page }) {
     const pdf = await page.pdf({ format: 'A4', printBackground: true });
     assert.ok(pdf.length > 20000 && pdf.subarray(0, 4).toString() === '%PDF');

@@ -109,6 +109,7 @@ function start(host) {
     draw();
   };
   const detail = new Detail(renderer, Object.values(parts), resize, draw);
+  let looking;  // the direction of the last look(), until the user turns or zooms
   const look = (from) => {
     const middle = whole.getCenter(new Vector3());
     const size = whole.getSize(new Vector3());
@@ -125,10 +126,11 @@ function start(host) {
     sun.position.copy(middle).add(new Vector3(-0.6, -0.7, 1).multiplyScalar(distance));
     sun.target.position.copy(middle);
     orbit.update();
+    looking = from;
     draw();
   };
   const slanted = new Vector3(0, -0.985, 0.17);
-  orbit.addEventListener('start', () => { dragged = true; });
+  orbit.addEventListener('start', () => { dragged = true; looking = undefined; });
   orbit.addEventListener('end', () => { dragged = false; });
   orbit.addEventListener('change', () => {
     if (dragged) detail.moved();
@@ -233,7 +235,7 @@ function start(host) {
   listenToKeys(renderer.domElement, camera, orbit, {
     whole: () => look(slanted),
     leave: () => tell(undefined),
-    moved: () => detail.moved(),
+    moved: () => { looking = undefined; detail.moved(); },
     step: (by) => {
       const [words, wood] = current ? [current.words, current.wood] : woods.find(([, w]) => w.mesh.visible) ?? [];
       if (!wood) return;
@@ -247,7 +249,10 @@ function start(host) {
   });
 
   host.replaceChildren(bar, stage, key, ...(growth.childElementCount ? [growth] : []));
-  new ResizeObserver(() => resize(detail.factor)).observe(stage);
+  new ResizeObserver(() => {
+    resize(detail.factor);
+    if (looking) look(looking);  // another window or a turned phone: the whole again
+  }).observe(stage);
   resize();
   if (parts.model || parts.regrown) paint('order');
   look(slanted);
