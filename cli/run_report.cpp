@@ -9,10 +9,10 @@
 #include "cli/report_file.h"
 #include "cli/version.h"
 #include "core/atomic_file.h"
+#include "core/range.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include <fmt/format.h>
@@ -21,15 +21,6 @@ namespace dendrofit::cli {
 namespace {
 
 constexpr int kOtherSeeds = 8;
-
-struct Range {
-  double lo = std::numeric_limits<double>::infinity();
-  double hi = -std::numeric_limits<double>::infinity();
-  void add(double x) {
-    lo = std::min(lo, x);
-    hi = std::max(hi, x);
-  }
-};
 
 /// Heights and diameters of trees of the same parameters and other seeds, cycle by cycle: what chance alone
 /// makes.

@@ -12,4 +12,7 @@ namespace dendrofit {
 /// U+FFFD; nothing is thrown for them.
 std::string json_text(const nlohmann::ordered_json& json, int indent = 2);
 
+/// The same of a plain text, for files of other kinds.
+std::string valid_utf8(const std::string& text);
+
 }  // namespace dendrofit

@@ -3,6 +3,7 @@
 
 #include "core/errors.h"
 #include "io/file_bytes.h"
+#include "io/json_text.h"
 #include "io/text_numbers.h"
 
 #include <algorithm>
@@ -104,7 +105,7 @@ void append_value(std::string& text, double value) {
 void append_value(std::string& text, const std::string& value) {
   constexpr char digits[] = "0123456789ABCDEF";
   text += '"';
-  for (const char c : value) {
+  for (const char c : valid_utf8(value)) {
     const auto byte = static_cast<unsigned char>(c);
     if (c == '"' || c == '\\') {
       text += '\\';

@@ -350,6 +350,13 @@ TEST(Toml, RefusesWithFileAndLine) {
   EXPECT_THAT(complaint("a = " + std::string(100000, '[')), HasSubstr("line 1"));
 }
 
+TEST(Toml, WritesTextOfAnyBytesSoThatItCanBeRead) {
+  TomlWriter writer;
+  writer.entry("file", TomlValue(std::string("B\xe4um \"\x7f\xff.las")));
+  EXPECT_EQ(std::get<std::string>(parse_toml(writer.text(), "x").at(0).value),
+            "B\xef\xbf\xbdum \"\x7f\xef\xbf\xbd.las");
+}
+
 TEST(Toml, WritesWhatReadsBack) {
   TomlWriter writer;
   writer.comment("two\nlines")
