@@ -14,6 +14,7 @@
 #include "fit/tree_simulator.h"
 #include "forward/virtual_scan/virtual_scan.h"
 #include "io/file_info.h"
+#include "io/metrics_json.h"
 
 #include <algorithm>
 #include <fstream>
@@ -149,6 +150,9 @@ class Fit : public Command {
     report.provenance.command_line = "dendrofit fit " + input.filename().string();
     report.provenance.input_name = input.filename().string();
     report.provenance.input_checksum = "crc32:" + checksum(input);
+    // Of a scan that was reconstructed here, or as it stands beside the model that was given.
+    const fs::path model = folder / "qsm.csv";
+    report.provenance.crs = crs_beside(fs::exists(model) ? model : input);
     write_file(folder / "report.json", report_json(report));
   }
 
