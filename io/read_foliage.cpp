@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/read_foliage.h"
 
+#include "io/coordinate_limit.h"
 #include "io/file_bytes.h"
 #include "io/json_numbers.h"
 
@@ -125,6 +126,7 @@ Foliage read_foliage_glb(const std::filesystem::path& path) {
     const Json& nodes = glb.json().at("nodes");
     const Json& shift = nodes.at(0).at("translation");
     foliage.origin_shift = z_up(Vec3(shift.at(0), shift.at(1), shift.at(2)));
+    if (!is_place(foliage.origin_shift)) fail_in_file(path, "an origin beyond 1e9 m");
     std::vector<Placed> petioles;
     for (const Json& node : nodes) {
       const std::string name = node.value("name", "");
@@ -139,8 +141,9 @@ Foliage read_foliage_glb(const std::filesystem::path& path) {
         leaf.normal = p.z;
         leaf.length_m = p.scale.y();
         leaf.shape = static_cast<std::uint16_t>(foliage.shapes.size() - 1);
-        if (!leaf.origin.allFinite() || !leaf.normal.allFinite() || !(leaf.length_m > 0))
-          fail_in_file(path, "a leaf's place, turn or size is not a finite number");
+        if (!is_place(leaf.origin) || !leaf.normal.allFinite() || !leaf.direction.allFinite() ||
+            !(leaf.length_m > 0 && leaf.length_m <= kLargestCoordinate))
+          fail_in_file(path, "a leaf's place, turn or size is not a finite number up to 1e9 m");
         foliage.leaves.push_back(leaf);
       }
     }
@@ -156,7 +159,8 @@ Foliage read_foliage_glb(const std::filesystem::path& path) {
         if (corner >= shape.vertices.size())
           fail_in_file(path, "a leaf shape names a vertex that does not exist");
     for (const Vec3& v : shape.vertices)
-      if (!v.allFinite()) fail_in_file(path, "a leaf shape with a coordinate that is not a finite number");
+      if (!is_place(v))
+        fail_in_file(path, "a leaf shape with a coordinate that is not a finite number up to 1e9 m");
     if (shape.triangles.empty()) fail_in_file(path, "a leaf shape without triangles");
   }
   return foliage;

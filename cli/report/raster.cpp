@@ -36,9 +36,11 @@ struct Buffer {
   }
 };
 
-/// First and last pixel whose centre may lie in [lo, hi], within [0, size).
+/// First and last pixel whose centre may lie in [lo, hi], within [0, size); none where either is not a
+/// number.
 std::array<int, 2> pixel_span(float lo, float hi, int size) {
   const float limit = static_cast<float>(size);
+  if (!(lo <= hi)) return {0, -1};  // not a number: none
   return {static_cast<int>(std::clamp(std::ceil(lo - 0.5f), 0.0f, limit)),
           static_cast<int>(std::clamp(std::floor(hi - 0.5f), -1.0f, limit - 1))};
 }
@@ -47,7 +49,7 @@ void draw_triangle(const std::array<Vector3f, 3>& p, std::uint32_t id, Buffer& b
   const Vector3f e1 = p[1] - p[0];
   const Vector3f e2 = p[2] - p[0];
   const float area = e1.x() * e2.y() - e1.y() * e2.x();
-  if (area == 0) return;
+  if (area == 0 || !std::isfinite(area)) return;
   const auto [left, right] = pixel_span(std::min({p[0].x(), p[1].x(), p[2].x()}),
                                         std::max({p[0].x(), p[1].x(), p[2].x()}), buffer.width);
   const auto [top, bottom] = pixel_span(std::min({p[0].y(), p[1].y(), p[2].y()}),

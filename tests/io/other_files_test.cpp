@@ -234,6 +234,17 @@ TEST(Gltf, ASceneHoldsBoth) {
                InputError);
 }
 
+TEST(Mesh, RefusesPlacesBeyondTheEarth) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(refusal([&] { read_mesh(folder.file("a.obj", "v 0 0 0\nv 1e307 0 0\nv 0 1 0\nf 1 2 3\n")); }),
+              HasSubstr("line 2: a coordinate beyond 1e9 m"));
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n0 -2e9 0\n1 0 0\n3 0 1 2\n";
+  EXPECT_THAT(refusal([&] { read_mesh(folder.file("a.ply", ply)); }), HasSubstr("1e9 m"));
+}
+
 TEST(Metrics, ReadBackAsWritten) {
   const TemporaryFolder folder;
   TreeMetrics metrics = measure(test::sample_tree());

@@ -262,5 +262,16 @@ TEST(Render, ScanSplatsCoverTheTreeTheyCameFrom) {
   EXPECT_NEAR(a.bottom, b.bottom, 4);
 }
 
+TEST(Render, places_beyond_what_single_precision_holds_leave_the_picture_whole) {
+  PointCloud cloud;
+  cloud.points = {{0, 0, 0}, {0, 0, 1}, {1e200, 0, 0}, {0, -1e39, 1e30}};
+  Panel panel;
+  panel.cloud = &cloud;
+  RenderOptions options = bare();
+  options.shadows = true;
+  const Image image = render(std::vector<Panel>{panel}, options);
+  EXPECT_GT(image.width, 0);
+}
+
 }  // namespace
 }  // namespace dendrofit
