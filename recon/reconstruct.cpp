@@ -42,18 +42,22 @@ class StageClock {
   std::clock_t cpu_ = 0;
 };
 
-/// Keeps the raw points `leaves` of the cloud as they are, counts them by height, and says so.
+/// Keeps the raw points `leaves` of the cloud as they are, and says so.
 void set_leaves_aside(const PointCloud& cloud, const std::vector<std::uint32_t>& leaves, std::size_t reached,
                       Reconstruction& result) {
   std::vector<char> keep(cloud.size(), 0);
   for (const std::uint32_t i : leaves) keep[i] = 1;
   result.leaf_points = cloud.subset(keep);
-  result.leaf_profile =
-      leaf_layers(result.leaf_points.points, result.foot.z() - result.leaf_points.origin_shift.z());
   result.wood_share = 1 - static_cast<double>(leaves.size()) / static_cast<double>(reached);
   result.warnings.push_back(
       "the tree bears leaves: " + std::to_string(std::lround(100 * (1 - result.wood_share))) +
       " % of its points were set aside; twigs hidden in the foliage are missing");
+}
+
+std::vector<Vec3> in_frame_of(const Tree& tree, const PointCloud& cloud) {
+  std::vector<Vec3> points = cloud.points;
+  for (Vec3& p : points) p += cloud.origin_shift - tree.origin_shift;
+  return points;
 }
 
 }  // namespace
@@ -156,8 +160,10 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
 
   result.tree = build_tree(limbs, tree_feet, scan.origin_shift);
   if (result.tree.empty()) throw SolverError("no wood could be followed from the stem's foot upwards");
-  result.metrics = measure(result.tree, MetricsOptions{.dbh_height_m = options.dbh_height_m});
+  const std::vector<Vec3> foliage = in_frame_of(result.tree, result.leaf_points);
+  result.metrics = measure(result.tree, MetricsOptions{.dbh_height_m = options.dbh_height_m}, foliage);
   result.metrics.wood_share = result.wood_share;
+  result.metrics.leaf_profile = leaf_layers(foliage, tree_feet.front().position.z());
   std::optional<SliceDiameter> breast_height;
   if (result.metrics.dbh_m) {
     const double breast = tree_feet.front().position.z() + options.dbh_height_m;

@@ -84,7 +84,7 @@ TEST(WoodLeaf, nothing_is_taken_from_a_bare_tree) {
   const Reconstruction r = reconstruct(cloud);
   EXPECT_FALSE(r.leaf_on);
   EXPECT_TRUE(r.leaf_points.empty());
-  EXPECT_TRUE(r.leaf_profile.empty());
+  EXPECT_TRUE(r.metrics.leaf_profile.empty());
   EXPECT_EQ(r.wood_share, 1);
 }
 
