@@ -10,12 +10,12 @@
 namespace dendrofit {
 namespace {
 
-constexpr double kReachShare = 0.2;        // of the longest: what bears as much is thick
+constexpr double kReachShare = 0.35;       // of the longest: what bears as much is thick
 constexpr double kDiameterPerReach = 0.1;  // of the stoutest wood
 constexpr double kSliceSpacings = 5;       // length of a slice
 constexpr double kShortestSlice_m = 0.15;
 constexpr std::size_t kFewestPoints = 12;
-constexpr double kScatter = 0.2;  // of a radius: bark, and a trunk's own shape
+constexpr double kScatter = 0.15;  // of a radius: bark, and a trunk's own shape
 constexpr double kCoverage = 0.3;
 
 /// Paths that pass a level of the tree side by side along one piece of wood.
@@ -80,7 +80,7 @@ void keep_circle(const std::vector<Vec3>& points, const Bundle& bundle, const Ve
   if (!start.ok || 2 * start.radius > widest) return;
   const CircleFit fit = robust_circle(flat, start, 0.05 * start.radius);
   if (!fit.ok || 2 * fit.radius > widest || fit.rms > kScatter * fit.radius || fit.coverage < kCoverage ||
-      3 * fit.inliers < 2 * flat.size())
+      4 * fit.inliers < 3 * flat.size())
     return;
   const double reach = std::max(3 * fit.rms, 0.1 * fit.radius);
   for (std::size_t k = 0; k < which.size(); ++k)
