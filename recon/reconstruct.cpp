@@ -164,11 +164,21 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   result.metrics = measure(result.tree, MetricsOptions{.dbh_height_m = options.dbh_height_m}, foliage);
   result.metrics.wood_share = result.wood_share;
   result.metrics.leaf_profile = leaf_layers(foliage, tree_feet.front().position.z());
+  if (result.leaf_on)
+    result.metrics.height_m =
+        height_in_leaf(result.metrics.height_m, foliage, tree_feet.front().position.z());
+  seeing.noise_m = result.noise_m;
+  SubsampleOptions halves{.seed = options.seed, .seeing = seeing, .radii = radius_options};
   std::optional<SliceDiameter> breast_height;
   if (result.metrics.dbh_m) {
     const double breast = tree_feet.front().position.z() + options.dbh_height_m;
+    halves.breast_z_m = breast;
     const std::optional<SliceDiameter> slice = slice_diameter(scan.points, limbs, breast, result.noise_m);
-    if (slice) result.metrics.dbh_m = slice->diameter_m;
+    if (slice) {
+      result.metrics.dbh_m = slice->diameter_m;
+      result.metrics.dbh_coverage = slice->coverage;
+      if (slice->ellipse) result.metrics.dbh_ellipse_m = {slice->ellipse->longest, slice->ellipse->shortest};
+    }
     if (slice && slice->coverage < 0.6)
       result.warnings.push_back("the stem at breast height is seen from one side: its diameter rests on " +
                                 std::to_string(static_cast<int>(std::lround(100 * slice->coverage))) +
@@ -177,10 +187,14 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
       result.warnings.push_back("no clear circle at breast height: the diameter there is interpolated");
     breast_height = slice;
   }
-  estimate_scan_intervals(result.tree, breast_height, how_well_seen(limbs, result.leaf_on), result.noise_m,
-                          graph.typical_spacing_m, result.metrics);
-  for (const Section& s : sections) result.bridged_gaps += s.after_gap;
   clock.mark("tree");
+
+  Visibility seen = how_well_seen(limbs, result.leaf_on);
+  seen.spread = subsample(scan.points, limbs, halves, progress);
+  estimate_scan_intervals(result.tree, breast_height, seen, result.noise_m, graph.typical_spacing_m,
+                          result.metrics);
+  for (const Section& s : sections) result.bridged_gaps += s.after_gap;
+  clock.mark("intervals");
   return result;
 }
 
