@@ -5,124 +5,134 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace dendrofit {
 namespace {
 
-constexpr double kReachShare = 0.35;       // of the longest: what bears as much is thick
-constexpr double kDiameterPerReach = 0.1;  // of the stoutest wood
-constexpr double kSliceSpacings = 5;       // length of a slice
+constexpr double kSliceSpacings = 4;
 constexpr double kShortestSlice_m = 0.15;
-constexpr std::size_t kFewestPoints = 12;
-constexpr double kScatter = 0.15;  // of a radius: bark, and a trunk's own shape
+constexpr double kThickestPerHeight = 0.08;  // radius of the stoutest boles
+constexpr double kLooksFromFoot_m = 1.5;     // up to here the circle must show for the first time
+constexpr double kSearch = 1.8;              // radii about the axis in which points are looked at
+constexpr double kChange = 0.35;             // relative, of the radius from slice to slice
+constexpr double kShift = 0.8;               // of the axis from slice to slice, in radii
+constexpr double kScatter = 0.25;  // of the radius: bark, a trunk's own shape; a filled disc has 0.35
 constexpr double kCoverage = 0.3;
+constexpr std::size_t kFewestPoints = 12;
+constexpr int kCoast = 3;  // slices without a circle
 
-/// Paths that pass a level of the tree side by side along one piece of wood.
-struct Bundle {
-  std::vector<std::uint32_t> members;  // positions in `wood`
-  std::vector<std::uint32_t> about;    // reached points nearest to one of them
+/// Reached points by height.
+struct Slices {
+  double low = 0, depth = 0;
+  std::vector<std::vector<std::uint32_t>> points;
+  double middle(std::size_t k) const { return low + (static_cast<double>(k) + 0.5) * depth; }
 };
 
-/// Splits the paths that pass one level into those of separate pieces of wood: single linkage.
-std::vector<Bundle> bundles_of(const std::vector<Vec3>& points, const std::vector<std::uint32_t>& wood,
-                               const std::vector<std::uint32_t>& level, double link) {
-  std::vector<Bundle> bundles;
-  std::vector<char> taken(level.size(), 0);
-  for (std::size_t seed = 0; seed < level.size(); ++seed) {
-    if (taken[seed]) continue;
-    taken[seed] = 1;
-    Bundle bundle;
-    bundle.members.push_back(level[seed]);
-    for (std::size_t m = 0; m < bundle.members.size(); ++m)
-      for (std::size_t k = 0; k < level.size(); ++k)
-        if (!taken[k] &&
-            (points[wood[level[k]]] - points[wood[bundle.members[m]]]).squaredNorm() < link * link) {
-          taken[k] = 1;
-          bundle.members.push_back(level[k]);
-        }
-    bundles.push_back(std::move(bundle));
+Slices slices_of(const std::vector<Vec3>& points, const Paths& paths, double depth) {
+  Slices slices;
+  slices.depth = depth;
+  double high = -1e300;
+  slices.low = 1e300;
+  for (const std::uint32_t u : paths.order) {
+    slices.low = std::min(slices.low, points[u].z());
+    high = std::max(high, points[u].z());
   }
-  return bundles;
+  slices.points.resize(1 + static_cast<std::size_t>((high - slices.low) / depth));
+  for (const std::uint32_t u : paths.order)
+    slices.points[static_cast<std::size_t>((points[u].z() - slices.low) / depth)].push_back(u);
+  return slices;
 }
 
-/// Where the bundle's paths run: mean of their chords a slice back and ahead.
-Vec3 direction_of(const std::vector<Vec3>& points, const Paths& paths, const PathEvidence& evidence,
-                  const std::vector<std::uint32_t>& wood, const Bundle& bundle, double slice) {
-  Vec3 sum = Vec3::Zero();
-  const auto walk = [&](std::uint32_t from, const std::vector<std::uint32_t>& next) {
-    std::uint32_t at = from;
-    while (next[at] != Paths::kNone && std::abs(paths.length[at] - paths.length[from]) < slice) at = next[at];
-    return at;
-  };
-  for (const std::uint32_t m : bundle.members)
-    sum += points[walk(wood[m], evidence.onward)] - points[walk(wood[m], paths.parent)];
-  const double length = sum.norm();
-  return length > 0 ? Vec3(sum / length) : Vec3::UnitZ();
-}
+/// The bole's axis and radius at one height.
+struct Ring {
+  Eigen::Vector2d centre{0, 0}, slope{0, 0};
+  double radius = 0;
+};
 
-/// Clears `leaf` on the circle that the bundle's surroundings lie on, if they do.
-void keep_circle(const std::vector<Vec3>& points, const Bundle& bundle, const Vec3& middle,
-                 const Vec3& direction, double widest, std::vector<char>& leaf) {
-  Vec3 u, v;
-  plane_frame(direction, u, v);
+/// Points of a slice within `reach` of the axis, seen along it.
+struct Look {
   std::vector<Eigen::Vector2d> flat;
   std::vector<std::uint32_t> which;
-  for (const std::uint32_t p : bundle.about) {
-    const Vec3 d = points[p] - middle;
-    const Eigen::Vector2d at(d.dot(u), d.dot(v));
-    if (at.norm() > widest) continue;
-    flat.push_back(at);
-    which.push_back(p);
+};
+
+Look look(const std::vector<Vec3>& points, const Slices& slices, std::size_t k, const Ring& ring,
+          double reach) {
+  Look seen;
+  for (const std::uint32_t p : slices.points[k]) {
+    const Eigen::Vector2d at =
+        points[p].head<2>() - ring.centre - ring.slope * (points[p].z() - slices.middle(k));
+    if (at.norm() > reach) continue;
+    seen.flat.push_back(at);
+    seen.which.push_back(p);
   }
-  if (flat.size() < kFewestPoints) return;
-  const CircleFit start = algebraic_circle(flat);
-  if (!start.ok || 2 * start.radius > widest) return;
-  const CircleFit fit = robust_circle(flat, start, 0.05 * start.radius);
-  if (!fit.ok || 2 * fit.radius > widest || fit.rms > kScatter * fit.radius || fit.coverage < kCoverage ||
-      4 * fit.inliers < 3 * flat.size())
-    return;
-  const double reach = std::max(3 * fit.rms, 0.1 * fit.radius);
-  for (std::size_t k = 0; k < which.size(); ++k)
-    if (std::abs((flat[k] - fit.centre).norm() - fit.radius) <= reach) leaf[which[k]] = 0;
+  return seen;
+}
+
+bool is_sound(const CircleFit& fit, const Look& seen) {
+  return fit.ok && fit.rms < kScatter * fit.radius && fit.coverage >= kCoverage &&
+         4 * fit.inliers >= 3 * seen.flat.size();
+}
+
+/// The first slice above the sources whose points show a circle; `k` is its number, radius 0: none.
+Ring first_ring(const std::vector<Vec3>& points, const Paths& paths, const Slices& slices, std::size_t& k) {
+  Ring ring;
+  Eigen::Vector2d sum(0, 0);
+  double count = 0, spread = 0;
+  for (const std::uint32_t u : paths.order)
+    if (paths.parent[u] == Paths::kNone) {
+      sum += points[u].head<2>();
+      count += 1;
+    }
+  if (count == 0) return ring;
+  ring.centre = sum / count;
+  for (const std::uint32_t u : paths.order)
+    if (paths.parent[u] == Paths::kNone)
+      spread = std::max(spread, (points[u].head<2>() - ring.centre).norm());
+  const double thickest = kThickestPerHeight * slices.depth * static_cast<double>(slices.points.size());
+  for (k = 0; k < slices.points.size() && slices.middle(k) - slices.low < kLooksFromFoot_m; ++k) {
+    const Look seen = look(points, slices, k, ring, std::min(2 * spread, 2 * thickest));
+    if (seen.flat.size() < kFewestPoints) continue;
+    const CircleFit start = algebraic_circle(seen.flat);
+    if (!start.ok || start.radius > thickest) continue;
+    const CircleFit fit = robust_circle(seen.flat, start, 0.05 * start.radius);
+    if (!is_sound(fit, seen) || fit.radius > thickest) continue;
+    ring.centre += fit.centre;
+    ring.radius = fit.radius;
+    return ring;
+  }
+  return ring;
 }
 
 }  // namespace
 
-void keep_round_wood(const std::vector<Vec3>& points, const Paths& paths, const PathEvidence& evidence,
-                     const std::vector<std::uint32_t>& wood, const std::vector<std::uint32_t>& nearest,
-                     double spacing_m, std::vector<char>& leaf) {
-  float longest = 0;
-  for (const std::uint32_t u : wood) longest = std::max(longest, evidence.reach[u]);
-  const double slice = std::max(kShortestSlice_m, kSliceSpacings * spacing_m);
-  const auto level_of = [&](std::uint32_t w) {
-    return static_cast<std::size_t>(static_cast<double>(paths.length[wood[w]]) / slice);
-  };
-  std::vector<std::vector<std::uint32_t>> levels;
-  for (std::uint32_t w = 0; w < wood.size(); ++w) {
-    if (evidence.reach[wood[w]] < kReachShare * longest) continue;
-    if (levels.size() <= level_of(w)) levels.resize(level_of(w) + 1);
-    levels[level_of(w)].push_back(w);
-  }
-  std::vector<std::uint32_t> bundle_of(wood.size(), Paths::kNone);
-  std::vector<Bundle> bundles;
-  for (const auto& level : levels)
-    for (Bundle& bundle : bundles_of(points, wood, level, std::max(0.1, 3 * spacing_m))) {
-      for (const std::uint32_t m : bundle.members) bundle_of[m] = static_cast<std::uint32_t>(bundles.size());
-      bundles.push_back(std::move(bundle));
-    }
-  for (const std::uint32_t u : paths.order)
-    if (nearest[u] != Paths::kNone && bundle_of[nearest[u]] != Paths::kNone)
-      bundles[bundle_of[nearest[u]]].about.push_back(u);
-  for (const Bundle& bundle : bundles) {
-    Vec3 middle = Vec3::Zero();
-    double reach = 0;
-    for (const std::uint32_t m : bundle.members) {
-      middle += points[wood[m]] / static_cast<double>(bundle.members.size());
-      reach = std::max(reach, double(evidence.reach[wood[m]]));
-    }
-    keep_circle(points, bundle, middle, direction_of(points, paths, evidence, wood, bundle, slice),
-                kDiameterPerReach * reach, leaf);
+void keep_round_bole(const std::vector<Vec3>& points, const Paths& paths, double spacing_m,
+                     std::vector<char>& leaf) {
+  if (paths.order.empty()) return;
+  const Slices slices = slices_of(points, paths, std::max(kShortestSlice_m, kSliceSpacings * spacing_m));
+  std::size_t first = 0;
+  Ring ring = first_ring(points, paths, slices, first);
+  if (!(ring.radius > 0)) return;
+  int coasted = 0;
+  for (std::size_t k = first; k < slices.points.size() && coasted <= kCoast; ++k) {
+    if (k > first) ring.centre += ring.slope * slices.depth;
+    ++coasted;
+    const Look seen = look(points, slices, k, ring, kSearch * ring.radius);
+    if (seen.flat.size() < kFewestPoints) continue;
+    CircleFit start;
+    start.ok = true;
+    start.radius = ring.radius;
+    const CircleFit fit = robust_circle(seen.flat, start, 0.05 * ring.radius);
+    if (!is_sound(fit, seen) || std::abs(fit.radius - ring.radius) > kChange * ring.radius ||
+        fit.centre.norm() > kShift * ring.radius)
+      continue;
+    const double reach = std::max(3 * fit.rms, 0.15 * fit.radius);
+    for (std::size_t i = 0; i < seen.which.size(); ++i)
+      if ((seen.flat[i] - fit.centre).norm() <= fit.radius + reach) leaf[seen.which[i]] = 0;
+    // The slope follows slowly: a strip of the surface tells the axis badly.
+    ring.slope += 0.3 * fit.centre / slices.depth;
+    ring.centre += fit.centre;
+    ring.radius = 0.5 * (ring.radius + fit.radius);
+    coasted = 0;
   }
 }
 

@@ -189,20 +189,18 @@ WoodLeaf separate_leaves(const std::vector<Vec3>& points, const PointGraph& grap
   const std::vector<float> spread = spread_across(places, nearest_path, std::max(0.06, 3 * spacing));
   const double least = std::max(0.006, 0.4 * spacing);
   std::vector<Neighbor> found;
-  std::vector<std::uint32_t> nearest(points.size(), Paths::kNone);
   for (const std::uint32_t u : paths.order) {
     if (paths.parent[u] == Paths::kNone) continue;  // the foot itself
     result.leaf[u] = 1;
-    nearest_path.nearest(points[u], 1, found);
-    nearest[u] = found.front().index;
     const double reach = borne.about(points[u]);
     if (!(reach > 0)) continue;
+    nearest_path.nearest(points[u], 1, found);
     const double widest =
         std::min(kDiameterPerReach * reach, least + kDiameterPerSpread * double(spread[found.front().index]));
     const double within = std::clamp(widest, least, std::max(least, kWidest_m));
     if (found.front().distance_squared <= within * within) result.leaf[u] = 0;
   }
-  keep_round_wood(points, paths, evidence, wood, nearest, spacing, result.leaf);
+  keep_round_bole(points, paths, spacing, result.leaf);
   return result;
 }
 
