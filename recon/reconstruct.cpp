@@ -19,6 +19,8 @@
 #include <cmath>
 #include <ctime>
 
+#include <Eigen/Eigenvalues>
+
 namespace dendrofit {
 namespace {
 
@@ -54,6 +56,23 @@ void set_leaves_aside(const PointCloud& cloud, const std::vector<std::uint32_t>&
       " % of its points were set aside; twigs hidden in the foliage are missing");
 }
 
+/// Throws SolverError where all points lie on one line: nothing there has a surface.
+void refuse_a_line(const std::vector<Vec3>& points) {
+  constexpr double kThinnest_m = 0.002;  // root mean square distance from the line
+  if (points.empty()) return;
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
+  Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
+  for (const Vec3& p : points) square += (p - mean) * (p - mean).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(square / static_cast<double>(points.size()),
+                                                            Eigen::EigenvaluesOnly);
+  if (std::sqrt(std::max(0.0, axes.eigenvalues()[1])) < kThinnest_m && points.size() >= 20)
+    throw SolverError(
+        "all points lie on one line, wood has a surface: is this a cable, a single scan line, or a cloud "
+        "with "
+        "a column missing? Check the columns (--columns) and give the whole tree");
+}
+
 std::vector<Vec3> in_frame_of(const Tree& tree, const PointCloud& cloud) {
   std::vector<Vec3> points = cloud.points;
   for (Vec3& p : points) p += cloud.origin_shift - tree.origin_shift;
@@ -81,6 +100,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   CleanScan scan = clean_scan(cloud, preprocess, progress);
   result.raw_points = scan.raw_points;
   result.clean_points = scan.points.size();
+  refuse_a_line(scan.points);
   clock.mark("clean");
 
   const Ground ground = find_ground(scan.points, preprocess);

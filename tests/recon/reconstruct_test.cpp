@@ -138,6 +138,15 @@ TEST(Reconstruct, empty_and_single_points_are_refused) {
   EXPECT_THROW(reconstruct(one, {.dbh_height_m = 0}), InputError);
 }
 
+TEST(Reconstruct, points_on_one_line_are_no_tree) {
+  PointCloud cloud;
+  for (int i = 0; i < 500; ++i) cloud.points.push_back({0.002 * i, 0.001 * i, 0.01 * i});
+  EXPECT_THROW(reconstruct(cloud), SolverError);
+  cloud.points.clear();
+  test::add_wood(cloud, {0, 0, 0}, {0, 0, 2}, 0.004, 0.003, 0.004, 0.001);  // a thin whip is one
+  EXPECT_NO_THROW(reconstruct(cloud));
+}
+
 TEST(Reconstruct, stops_when_asked_to) {
   const std::atomic<bool> stop{true};
   Progress progress(&stop);
