@@ -210,7 +210,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   clock.mark("tree");
 
   Visibility seen = how_well_seen(limbs, result.leaf_on);
-  seen.spread = subsample(scan.points, limbs, halves, progress);
+  seen.spread = subsample(scan.points, limbs, sights, halves, progress);
   estimate_scan_intervals(result.tree, breast_height, seen, result.noise_m, graph.typical_spacing_m,
                           result.metrics);
   for (const Section& s : sections) result.bridged_gaps += s.after_gap;

@@ -7,9 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace dendrofit {
 namespace {
+
+constexpr double kHeavyShare = 0.9;
 
 /// What is measured of the whole and of every half.
 struct Measures {
@@ -35,20 +38,53 @@ Measures measures_of(const std::vector<Vec3>& points, const std::vector<Limb>& l
   return m;
 }
 
-/// The limbs with the points of one half: those whose draw in this round is `side`.
-std::vector<Limb> half_of(const std::vector<Limb>& limbs, const std::vector<char>& draw, char side) {
-  std::vector<Limb> half = limbs;
-  for (Limb& limb : half)
-    for (LimbNode& node : limb.nodes)
+double volume_of(const Limb& limb) {
+  double volume = 0;
+  for (std::size_t i = 1; i < limb.nodes.size(); ++i)
+    volume += std::pow(limb.nodes[i].radius_m, 2) * (limb.nodes[i].along_m - limb.nodes[i - 1].along_m);
+  return volume;
+}
+
+/// The most voluminous limbs that together hold kHeavyShare of the wood, in rising order.
+std::vector<std::size_t> heavy_limbs(const std::vector<Limb>& limbs) {
+  std::vector<std::size_t> order(limbs.size()), heavy;
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::vector<double> volume(limbs.size());
+  double all = 0, held = 0;
+  for (std::size_t l = 0; l < limbs.size(); ++l) all += volume[l] = volume_of(limbs[l]);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return volume[a] > volume[b]; });
+  for (const std::size_t l : order) {
+    if (held > kHeavyShare * all) break;
+    held += volume[l];
+    heavy.push_back(l);
+  }
+  std::sort(heavy.begin(), heavy.end());
+  return heavy;
+}
+
+/// Radii of the heavy limbs from those of their points whose draw in this round is `side`.
+std::vector<Limb> settled_half(const std::vector<Vec3>& points, const std::vector<Limb>& limbs,
+                               const std::vector<std::size_t>& heavy, Sights sights,
+                               const std::vector<char>& draw, char side, const SubsampleOptions& options) {
+  std::vector<Limb> half = limbs, part;
+  for (const std::size_t l : heavy) {
+    for (LimbNode& node : half[l].nodes)
       std::erase_if(node.points, [&](std::uint32_t p) { return draw[p] != side; });
+    part.push_back(half[l]);
+  }
+  Sights seen = look_at_limbs(points, part, options.seeing);
+  for (std::size_t k = 0; k < heavy.size(); ++k) sights[heavy[k]] = std::move(seen[k]);
+  settle_radii(half, sights, options.seeing.noise_m, options.radii);
   return half;
 }
 
 }  // namespace
 
 SubsampleSpread subsample(const std::vector<Vec3>& points, const std::vector<Limb>& limbs,
-                          const SubsampleOptions& options, Progress& progress) {
+                          const Sights& sights, const SubsampleOptions& options, Progress& progress) {
   const Measures whole = measures_of(points, limbs, options);
+  const std::vector<std::size_t> heavy = heavy_limbs(limbs);
   double dbh = 0, dbhs = 0, top = 0, stem = 0, branch = 0, halves = 0;
   std::vector<char> draw(points.size());
   for (int round = 0; round < options.rounds; ++round) {
@@ -56,10 +92,8 @@ SubsampleSpread subsample(const std::vector<Vec3>& points, const std::vector<Lim
     Random random = Random(options.seed).child({0x5b5a, static_cast<std::uint64_t>(round)});
     for (char& d : draw) d = static_cast<char>(random.bits() >> 63);
     for (const char side : {0, 1}) {
-      std::vector<Limb> half = half_of(limbs, draw, side);
-      const Sights sights = look_at_limbs(points, half, options.seeing);
-      settle_radii(half, sights, options.seeing.noise_m, options.radii);
-      const Measures m = measures_of(points, half, options);
+      const Measures m =
+          measures_of(points, settled_half(points, limbs, heavy, sights, draw, side, options), options);
       if (m.dbh_m && whole.dbh_m) {
         dbh += std::pow(*m.dbh_m - *whole.dbh_m, 2);
         dbhs += 1;

@@ -33,8 +33,9 @@ struct SubsampleOptions {
 /// Splits the points of every place in two at random, `rounds` times, and measures each half: sights, radii,
 /// volumes along the settled centre lines, the circle at breast height, the highest point. A half's measures
 /// have twice the sampling variance of the whole's, and share half of it with them: their mean squared
-/// difference from the whole is the whole's own variance (delete-half jackknife, Shao & Wu 1989).
+/// difference from the whole is the whole's own variance (delete-half jackknife, Shao & Wu 1989). Only the
+/// limbs that hold nine tenths of the volume are looked at anew; `sights` are the whole's.
 SubsampleSpread subsample(const std::vector<Vec3>& points, const std::vector<Limb>& limbs,
-                          const SubsampleOptions& options, Progress& = no_progress());
+                          const Sights& sights, const SubsampleOptions& options, Progress& = no_progress());
 
 }  // namespace dendrofit

@@ -34,6 +34,7 @@ struct Stem {
     }
     limbs[0].beyond_m = 2;
   }
+  Sights sights() const { return look_at_limbs(points, limbs, {.noise_m = 0.004, .threads = 1}); }
 };
 
 SubsampleOptions options(double noise, std::uint64_t seed = 1) {
@@ -50,7 +51,7 @@ TEST(Subsampling, tells_how_far_the_diameter_scatters_from_scan_to_scan) {
     ASSERT_TRUE(slice);
     sum += slice->diameter_m;
     square += slice->diameter_m * slice->diameter_m;
-    told += std::pow(subsample(stem.points, stem.limbs, options(kNoise)).dbh_m, 2);
+    told += std::pow(subsample(stem.points, stem.limbs, stem.sights(), options(kNoise)).dbh_m, 2);
   }
   const double scatter = std::sqrt(square / kScans - std::pow(sum / kScans, 2));
   told = std::sqrt(told / kScans);
@@ -60,19 +61,19 @@ TEST(Subsampling, tells_how_far_the_diameter_scatters_from_scan_to_scan) {
 
 TEST(Subsampling, more_noise_more_spread_and_the_same_seed_the_same) {
   const Stem fine(0.1, 0.001, 1), coarse(0.1, 0.01, 1);
-  const SubsampleSpread a = subsample(fine.points, fine.limbs, options(0.001)),
-                        b = subsample(coarse.points, coarse.limbs, options(0.01));
+  const SubsampleSpread a = subsample(fine.points, fine.limbs, fine.sights(), options(0.001)),
+                        b = subsample(coarse.points, coarse.limbs, coarse.sights(), options(0.01));
   EXPECT_GT(b.dbh_m, 3 * a.dbh_m);
   EXPECT_GT(b.stem_share, 2 * a.stem_share);
   EXPECT_GT(a.stem_share, 0);
   EXPECT_LT(a.stem_share, 0.01);
   EXPECT_EQ(a.branch_share, 0);
-  EXPECT_EQ(a.dbh_m, subsample(fine.points, fine.limbs, options(0.001)).dbh_m);
-  EXPECT_NE(a.dbh_m, subsample(fine.points, fine.limbs, options(0.001, 2)).dbh_m);
+  EXPECT_EQ(a.dbh_m, subsample(fine.points, fine.limbs, fine.sights(), options(0.001)).dbh_m);
+  EXPECT_NE(a.dbh_m, subsample(fine.points, fine.limbs, fine.sights(), options(0.001, 2)).dbh_m);
 }
 
 TEST(Subsampling, nothing_seen_spreads_nothing) {
-  const SubsampleSpread none = subsample({}, {}, {});
+  const SubsampleSpread none = subsample({}, {}, {}, {});
   EXPECT_EQ(none.dbh_m + none.height_m + none.stem_share + none.branch_share, 0);
 }
 
