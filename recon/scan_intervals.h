@@ -38,7 +38,7 @@ double height_in_leaf(double wood_top_m, const std::vector<Vec3>& foliage, doubl
 /// tree larger and never smaller; branches in leaf are hidden, and leaves left on them thicken them. The
 /// stem's volume also depends on which limb goes on at its forks: where another is nearly as thick, the
 /// difference counts. The factors were set on virtual scans with known trees (bench/recon_bench, leaf-off
-/// cases 1 to 48, leaf-on cases 1 to 64); other cases are the test.
+/// cases 1 to 48, leaf-on cases 21 to 64); other cases are the test.
 void estimate_scan_intervals(const Tree& tree, const std::optional<SliceDiameter>& breast_height,
                              const Visibility& seen, double noise_m, double spacing_m, TreeMetrics& metrics);
 
