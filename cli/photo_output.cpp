@@ -37,7 +37,7 @@ std::string photo_metrics_json(const PhotoReconstruction& result) {
   json["silhouette_area_m2"] = result.outline.area;
   json["lean_in_view_deg"] = result.outline.lean_deg;
   // What the picture does not show is no number.
-  std::vector<std::string> untold = {"crown_area_m2", "crown_volume_m3", "wood_share"};
+  std::vector<std::string> untold = {"crown_area_m2", "crown_volume_m3", "wood_share", "lean_azimuth_deg"};
   if (!result.has_tree)
     for (const auto& [key, value] : json.items())
       if (key != "height_m" && key != "crown_diameter_m" && key != "unit" && key != "silhouette_area_m2" &&

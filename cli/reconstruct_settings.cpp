@@ -52,9 +52,6 @@ ReconstructOptions ReconstructSettings::resolve(const CommonOptions& common) con
 }
 
 std::string reconstruction_json(const Reconstruction& r) {
-  auto layers = Json::array();
-  for (const LeafLayer& layer : r.leaf_profile)
-    layers.push_back({{"from_m", layer.from_m}, {"to_m", layer.to_m}, {"points", layer.points}});
   const Json json = {{"foot", {r.foot.x(), r.foot.y(), r.foot.z()}},
                      {"ground_found", r.ground_found},
                      {"leaf_on", r.leaf_on},
@@ -70,7 +67,6 @@ std::string reconstruction_json(const Reconstruction& r) {
                        {"stray", r.stray_points},
                        {"tree", r.tree_points},
                        {"leaf", r.leaf_points.size()}}},
-                     {"leaf_profile", layers},
                      {"bridged_gaps", r.bridged_gaps},
                      {"warnings", r.warnings}};
   return json_text(json) + "\n";

@@ -22,6 +22,8 @@ void visit_fields(Metrics& m, Visit&& visit) {
   visit("height_m", m.height_m);
   visit("dbh_m", m.dbh_m);
   visit("dbh_height_m", m.dbh_height_m);
+  visit("dbh_coverage", m.dbh_coverage);
+  visit("dbh_ellipse_m", m.dbh_ellipse_m);
   visit("stem_volume_m3", m.stem_volume_m3);
   visit("branch_volume_m3", m.branch_volume_m3);
   visit("total_volume_m3", m.total_volume_m3);
@@ -32,9 +34,12 @@ void visit_fields(Metrics& m, Visit&& visit) {
   visit("crown_area_m2", m.crown_area_m2);
   visit("crown_volume_m3", m.crown_volume_m3);
   visit("lean_deg", m.lean_deg);
+  visit("lean_azimuth_deg", m.lean_azimuth_deg);
   visit("branch_count_by_order", m.branch_count_by_order);
   visit("length_by_order_m", m.length_by_order_m);
   visit("volume_by_order_m3", m.volume_by_order_m3);
+  visit("branch_angle_by_order_deg", m.branch_angle_by_order_deg);
+  visit("diameter_class_m", m.diameter_class_m);
   visit("volume_by_diameter_class_m3", m.volume_by_diameter_class_m3);
   visit("wood_share", m.wood_share);
 }
@@ -72,6 +77,10 @@ Json object_of(const TreeMetrics& metrics) {
   Json taper = Json::array();
   for (const TaperPoint& p : metrics.stem_taper) taper.push_back({p.height_m, p.diameter_m});
   json["stem_taper"] = taper;
+  Json layers = Json::array();
+  for (const LeafLayer& layer : metrics.leaf_profile)
+    layers.push_back({{"from_m", layer.from_m}, {"to_m", layer.to_m}, {"points", layer.points}});
+  json["leaf_profile"] = layers;
   Json intervals = Json::object();
   for (const auto& [name, i] : metrics.intervals)
     intervals[name] = {{"value", i.value}, {"lo", i.lo}, {"hi", i.hi}};
@@ -137,6 +146,11 @@ TreeMetrics metrics_from_json(const std::filesystem::path& path) {
     if (const auto taper = json.find(key); taper != json.end() && !taper->is_null())
       for (const Json& pair : *taper)
         metrics.stem_taper.push_back({pair.at(0).get<double>(), pair.at(1).get<double>()});
+    key = "leaf_profile";
+    if (const auto layers = json.find(key); layers != json.end() && !layers->is_null())
+      for (const Json& layer : *layers)
+        metrics.leaf_profile.push_back({layer.at("from_m").get<double>(), layer.at("to_m").get<double>(),
+                                        layer.at("points").get<std::size_t>()});
     key = "intervals";
     if (const auto intervals = json.find(key); intervals != json.end())
       for (const auto& [name, i] : intervals->items())

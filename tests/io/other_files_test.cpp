@@ -250,6 +250,9 @@ TEST(Metrics, ReadBackAsWritten) {
   TreeMetrics metrics = measure(test::sample_tree());
   metrics.intervals["dbh_m"] = {0.2, 0.1, 0.3};
   metrics.crown_base_m.reset();
+  metrics.dbh_coverage = 0.75;
+  metrics.dbh_ellipse_m = {0.21, 0.19};
+  metrics.leaf_profile = {{1, 1.5, 7}};
   write_metrics(folder / "m.json", metrics);
   const TreeMetrics back = metrics_from_json(folder / "m.json");
   EXPECT_EQ(metrics_to_json(back), metrics_to_json(metrics));
@@ -257,11 +260,29 @@ TEST(Metrics, ReadBackAsWritten) {
   EXPECT_EQ(back.dbh_m, metrics.dbh_m);
   EXPECT_FALSE(back.crown_base_m.has_value());
   EXPECT_EQ(back.intervals.at("dbh_m").hi, 0.3);
+  ASSERT_EQ(back.leaf_profile.size(), 1u);
+  EXPECT_EQ(back.leaf_profile.front().points, 7u);
   const auto json = nlohmann::json::parse(content_of(folder / "m.json"));
-  for (const char* key :
-       {"height_m", "dbh_m", "dbh_height_m", "stem_volume_m3", "branch_volume_m3", "total_volume_m3",
-        "crown_base_m", "crown_diameter_m", "crown_area_m2", "crown_volume_m3", "lean_deg",
-        "branch_count_by_order", "length_by_order_m", "volume_by_order_m3", "stem_taper", "intervals"})
+  for (const char* key : {"height_m",
+                          "dbh_m",
+                          "dbh_height_m",
+                          "stem_volume_m3",
+                          "branch_volume_m3",
+                          "total_volume_m3",
+                          "crown_base_m",
+                          "crown_diameter_m",
+                          "crown_area_m2",
+                          "crown_volume_m3",
+                          "lean_deg",
+                          "branch_count_by_order",
+                          "length_by_order_m",
+                          "volume_by_order_m3",
+                          "stem_taper",
+                          "intervals",
+                          "dbh_coverage",
+                          "lean_azimuth_deg",
+                          "branch_angle_by_order_deg",
+                          "leaf_profile"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_TRUE(json["crown_base_m"].is_null());
   EXPECT_EQ(json["stem_taper"][0].size(), 2u);
