@@ -68,7 +68,7 @@ struct Simulation {
     return profiles;
   }
   void cast_nodes(std::size_t from, int sign, const std::vector<char>* only_axes = nullptr);
-  void read_light();
+  void read_light(std::size_t known);
   void shed(int passes, std::vector<std::int64_t>& count);
 };
 
@@ -84,8 +84,10 @@ void Simulation::cast_nodes(std::size_t from, int sign, const std::vector<char>*
   for (const auto& [b, voxels] : by_base) light.cast(voxels, ShadeProfile(b), sign);
 }
 
-void Simulation::read_light() {
-  light.read(stand.nodes.voxel, stand.nodes.shade);
+// Brings shade up to date; the first `known` nodes have that of the last time.
+void Simulation::read_light(std::size_t known) {
+  for (std::size_t i = 0; i < known; ++i) stand.nodes.shade[i] -= stand.nodes.obstacle_shade[i];
+  light.update(stand.nodes.voxel, stand.nodes.shade, known);
   for (std::size_t i = 0; i < stand.nodes.size(); ++i) stand.nodes.shade[i] += stand.nodes.obstacle_shade[i];
 }
 
@@ -102,7 +104,7 @@ void Simulation::shed(int passes, std::vector<std::int64_t>& count) {
   }
   stand.drop(dropped);
   stand.index_axes();
-  if (restore) read_light();
+  if (restore) read_light(stand.nodes.size());
 }
 
 Simulation begin(const IgmParameters& parameters, const IgmSite& site, const IgmOptions& options) {
@@ -152,7 +154,7 @@ Simulation begin(const IgmParameters& parameters, const IgmSite& site, const Igm
       stand.nodes.obstacle_shade[i] = sim.obstacles.shade(stand.nodes.voxel[i]);
   sim.cast_nodes(0, 1);
   thicken(stand);
-  sim.read_light();
+  sim.read_light(0);
   stand.index_axes();
   return sim;
 }
@@ -219,7 +221,7 @@ IgmGrowth grow_igm(const IgmParameters& parameters, const IgmSite& site, const I
     }
     sim.cast_nodes(old_nodes, 1);
     thicken(stand);
-    sim.read_light();
+    sim.read_light(old_nodes);
     stand.index_axes();
     std::fill(shed.begin(), shed.end(), 0);
     if (T >= kFirstShedding) sim.shed(stopped || T == last ? kLastShedPasses : kShedPasses, shed);

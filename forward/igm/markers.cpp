@@ -23,6 +23,15 @@ constexpr double kRounding = 0.05;  // voxels; of positions in single precision
 constexpr std::uint32_t kBlock = 16;
 constexpr std::uint32_t kPair = 2;  // flags looked at in one step
 
+double light_of(Fixed shade) {
+  return 1.0 - to_light(shade);
+}
+
+// Such a marker pulls nothing, and it only gets darker: it may as well be taken away.
+bool too_dark(Fixed shade) {
+  return light_of(shade) < kLeastLight;
+}
+
 std::uint32_t whole_blocks(std::uint32_t n) {
   return (n + kBlock - 1) & ~(kBlock - 1);
 }
@@ -88,22 +97,25 @@ MarkerField::MarkerField(const std::vector<Vec3>& position, const std::vector<Fi
   for (int axis = 0; axis < 3; ++axis)
     count_[axis] = static_cast<int>(bounds.size()[axis] / frame.edge_m / cell_[axis]) + 1;
 
+  constexpr std::uint32_t kNowhere = ~std::uint32_t{0};
   const std::size_t n = position.size();
-  std::vector<std::uint32_t> cell(n);
+  std::vector<std::uint32_t> cell(n, kNowhere);
   first_.assign(static_cast<std::size_t>(count_[0]) * static_cast<std::size_t>(count_[1]) *
                         static_cast<std::size_t>(count_[2]) +
                     1,
                 0);
   for (std::size_t i = 0; i < n; ++i) {
+    if (too_dark(shade[i])) continue;
     const Vec3 p = (position[i] - frame.origin) / frame.edge_m;
     cell[i] = static_cast<std::uint32_t>((cell_of(p.z(), 2) * count_[0] + cell_of(p.x(), 0)) * count_[1] +
                                          cell_of(p.y(), 1));
     ++first_[cell[i] + 1];
   }
   for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
-  resize(n);
+  resize(first_.back());
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   for (std::size_t i = 0; i < n; ++i) {
+    if (cell[i] == kNowhere) continue;
     const std::size_t at = next[cell[i]]++;
     const Vec3 p = (position[i] - frame.origin) / frame.edge_m - lo_;
     const Voxel v = frame.at(position[i]);
@@ -139,7 +151,7 @@ void MarkerField::squeeze() {
     const std::uint32_t from = first_[c], end = first_[c + 1];
     first_[c] = to;
     for (std::uint32_t i = from; i < end; ++i) {
-      if (vx_[i] == kTakenVoxel) continue;
+      if (vx_[i] == kTakenVoxel || too_dark(shade_[i])) continue;
       x_[to] = x_[i], y_[to] = y_[i], z_[to] = z_[i];
       vx_[to] = vx_[i], vy_[to] = vy_[i], vz_[to] = vz_[i];
       shade_[to] = shade_[i];
@@ -188,9 +200,8 @@ bool MarkerField::pull(const Vec3& at, const Vec3& heading, double near_m, doubl
             ++taken_;
             continue;
           }
-          const double light = 1.0 - to_light(shade_[i]);
-          if (light < kLeastLight) continue;
-          const double weight = std::min(light, 1.0) / std::sqrt(static_cast<double>(d2));
+          if (too_dark(shade_[i])) continue;
+          const double weight = std::min(light_of(shade_[i]), 1.0) / std::sqrt(static_cast<double>(d2));
           sx += weight * dx, sy += weight * dy, sz += weight * dz;
         }
       }

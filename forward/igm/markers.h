@@ -4,7 +4,7 @@
 #pragma once
 
 #include "core/types.h"
-#include "forward/environment/light_field.h"
+#include "forward/environment/shadows.h"
 #include "forward/environment/voxels.h"
 
 #include <cstdint>
