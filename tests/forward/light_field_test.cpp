@@ -145,12 +145,13 @@ TEST(LightField, far_nodes_cost_memory_where_they_stand_and_the_limit_holds) {
   for (int y = 0; y < 30; ++y)
     for (int x = 0; x < 30; ++x) nodes.push_back({40 * x, 40 * y, 5});
   std::vector<Voxel> at;
-  for (const Voxel& node : nodes) at.push_back({node.x, node.y, 3});
+  for (const Voxel& node : nodes)
+    for (int z = 0; z <= 5; ++z) at.push_back({node.x, node.y, z});
   std::vector<Fixed> shade(at.size());
-  LightField wide(1), narrow(0.005);
+  LightField wide(1), narrow(0.03);
   wide.cast(nodes, ShadeProfile(2));
   wide.read(at, shade);
-  for (const Fixed s : shade) ASSERT_EQ(s, ShadeProfile(2)[2]);
+  for (std::size_t i = 0; i < at.size(); ++i) ASSERT_EQ(shade[i], ShadeProfile(2)[5 - at[i].z]);
   narrow.cast(nodes, ShadeProfile(2));
   EXPECT_THROW(narrow.read(at, shade), InputError);
 }
