@@ -12,6 +12,7 @@
 #include "forward/igm/start.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <sstream>
@@ -165,6 +166,20 @@ bool cap_rises(const Stand& stand, int cycle) {
                      [&](const IgmParameters& p) { return p.cap(cycle + 1) > p.cap(cycle); });
 }
 
+// Two stems cannot share a foot.
+void check_roots_apart(const std::vector<IgmTreeSite>& trees) {
+  std::map<std::array<double, 3>, std::string> taken;
+  for (std::size_t t = 0; t < trees.size(); ++t)
+    for (const Vec3& root : trees[t].roots) {
+      const auto [place, is_new] = taken.emplace(std::array{root.x(), root.y(), root.z()}, tree_name(t));
+      if (is_new) continue;
+      std::ostringstream message;
+      message << tree_name(t) << " root (" << root.x() << ", " << root.y() << ", " << root.z()
+              << "): a stem of " << place->second << " stands there already; move one of them";
+      throw InputError(message.str());
+    }
+}
+
 }  // namespace
 
 void IgmSite::validate() const {
@@ -175,6 +190,7 @@ void IgmSite::validate() const {
       if (!root.allFinite()) throw InputError(tree_name(t) + " root: a coordinate is not a finite number");
     if (trees[t].parameters) trees[t].parameters->validate();
   }
+  check_roots_apart(trees);
   solids.validate();
 }
 

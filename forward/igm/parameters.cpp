@@ -107,6 +107,16 @@ void check_bounds(const ParameterSpec& spec, double value, std::string_view wher
 }
 
 [[noreturn]] void unknown_key(std::string_view key, std::string_view equation, std::string_view where) {
+  for (const GrowthEquation& other : growth_equations())
+    for (const ParameterSpec& spec : other.parameters)
+      if (spec.key == key) {
+        std::string own;
+        for (const ParameterSpec& row : growth_equation(equation).parameters)
+          own += (own.empty() ? "" : ", ") + std::string(row.key);
+        throw InputError(lead(where) + "parameter '" + std::string(key) + "' belongs to the " +
+                         std::string(other.name) + " equation; the " + std::string(equation) +
+                         " equation has " + own);
+      }
   std::vector<std::string> known{"equation"};
   for (const ParameterSpec& spec : igm_parameter_table(equation)) known.emplace_back(spec.key);
   throw InputError(lead(where) + "unknown parameter '" + std::string(key) + "'; did you mean '" +
@@ -162,15 +172,23 @@ void IgmParameters::set(std::string_view key, double value, std::string_view whe
     const auto assign = [&](auto field) {
       using Value = std::remove_reference_t<decltype(this->*field)>;
       if constexpr (!std::is_same_v<Value, double>)
-        if (value != std::floor(value))
-          throw InputError(lead(where) + std::string(key) + " = " + std::to_string(value) +
-                           ": must be a whole number");
+        if (value != std::floor(value)) {
+          std::ostringstream message;
+          message << lead(where) << key << " = " << value << ": must be a whole number";
+          throw InputError(message.str());
+        }
       this->*field = static_cast<Value>(value);
     };
     std::visit(assign, kRows[i].member);
     return;
   }
   unknown_key(key, equation, where);
+}
+
+bool IgmParameters::is_switch(std::string_view key) {
+  return std::any_of(kRows.begin(), kRows.end(), [&](const Row& row) {
+    return row.spec.key == key && std::holds_alternative<bool IgmParameters::*>(row.member);
+  });
 }
 
 void IgmParameters::set_equation(std::string_view name, std::string_view where) {

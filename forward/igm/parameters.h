@@ -55,6 +55,8 @@ struct IgmParameters {
   /// Sets a number by key. Throws InputError, led by `where`, for an unknown key (naming the nearest) or a
   /// value outside its bounds.
   void set(std::string_view key, double value, std::string_view where = "");
+  /// Whether the key is a switch, true or false.
+  static bool is_switch(std::string_view key);
   /// Takes another equation with that equation's default values. InputError for an unknown name.
   void set_equation(std::string_view name, std::string_view where = "");
 
