@@ -35,7 +35,11 @@ class Grow : public Command {
                        false);
     options.path("--output", output_, "Folder for the results", "-o");
     options.flag("--list", list_, "List the presets and stop");
-    options.texts("--set", settings_, "KEY=VALUE", "Change a parameter; may be given several times");
+    options.flag(
+        "--keys", keys_,
+        "List the parameters (of PARAMS, else the defaults) with unit, bounds and meaning, and stop");
+    options.texts("--set", settings_, "KEY=VALUE",
+                  "Change a parameter (--keys lists them); may be given several times");
     options.integer("--cycles", cycles_, "Growth cycles (default: the parameters' own)");
     options.flag("--until-stop", until_stop_, "Grow until nothing sprouts any more");
     options.path("--from", from_, "Go on from this tree (qsm.csv or any QSM format)");
@@ -50,6 +54,7 @@ class Grow : public Command {
 
   int run(Session& session) override {
     if (list_) return list_presets(session);
+    if (keys_) return list_keys(session);
     if (parameters_.empty())
       throw UsageError("grow: no parameter file or preset given; dendrofit grow --list names the presets");
     check_mesh_formats(meshes_);
@@ -90,8 +95,30 @@ class Grow : public Command {
     return 0;
   }
 
+  int list_keys(const Session& session) const {
+    const IgmSetup setup = resolve();
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    session.say("equation = " + setup.parameters.equation);
+    for (const ParameterSpec& spec : igm_parameter_table(setup.parameters.equation)) {
+      const double value = setup.parameters.get(spec.key);
+      const std::string unit = spec.unit.empty() ? "" : " " + std::string(spec.unit);
+      rows.push_back({{"key", spec.key},
+                      {"value", value},
+                      {"unit", spec.unit},
+                      {"lo", spec.lo},
+                      {"hi", spec.hi},
+                      {"meaning", spec.meaning},
+                      {"source", spec.source}});
+      session.say(fmt::format("{:<20}{:<20}{:<26}{} [{}]", spec.key, fmt::format("{}{}", value, unit),
+                              fmt::format("{} to {}", spec.lo, spec.hi), spec.meaning, spec.source));
+    }
+    session.json(
+        nlohmann::ordered_json{{"equation", setup.parameters.equation}, {"parameters", rows}}.dump(2));
+    return 0;
+  }
+
   IgmSetup resolve() const {
-    IgmSetup setup = load_igm_setup(parameters_.string());
+    IgmSetup setup = parameters_.empty() ? IgmSetup{} : load_igm_setup(parameters_.string());
     apply_settings(setup, settings_);
     if (cycles_) setup.parameters.set("cycles", *cycles_, "--cycles");
     setup.parameters.validate();
@@ -181,7 +208,7 @@ class Grow : public Command {
   fs::path parameters_, output_, from_, site_;
   std::vector<std::string> settings_, meshes_;
   std::optional<int> cycles_, from_cycle_;
-  bool list_ = false, until_stop_ = false, frames_ = false;
+  bool list_ = false, keys_ = false, until_stop_ = false, frames_ = false;
 };
 
 }  // namespace

@@ -135,6 +135,15 @@ TEST(Program, grown_parameters_fed_back_grow_the_same) {
   }
 }
 
+TEST(Program, grow_lists_its_parameters_with_unit_and_bounds) {
+  const Outcome keys = run("grow table2-13 --keys --set alpha=7");
+  ASSERT_EQ(keys.code, 0) << keys.err;
+  EXPECT_THAT(keys.out, testing::AllOf(HasSubstr("xm"), HasSubstr("50 internodes"), HasSubstr("0.01 m"),
+                                       HasSubstr("tip_radius_m"), HasSubstr("1e-05 to 0.1")));
+  const auto rows = nlohmann::json::parse(run("grow --keys --json").out).at("parameters");
+  EXPECT_EQ(rows.size(), igm_parameter_table().size());
+}
+
 TEST(Program, no_leaves_asked_for_is_no_error) {
   const test::ScratchFolder scratch;
   const Outcome none =
