@@ -2,6 +2,7 @@
 #include "cli/igm_files.h"
 
 #include "cli/site_file.h"
+#include "cli/surroundings.h"
 #include "core/atomic_file.h"
 #include "core/errors.h"
 #include "tests/support/scratch_folder.h"
@@ -141,6 +142,30 @@ TEST(IgmFiles, a_site_holds_trees_and_obstacles) {
               AllOf(HasSubstr("bad.toml, line 3"), HasSubstr("table2-09")));
   EXPECT_THAT(refused("[[tree]]\nroot = [1, 0, 0]\n[[tree]]\nroot = [1, 0, 0]\n"),
               AllOf(HasSubstr("bad.toml"), HasSubstr("tree 2"), HasSubstr("tree 1 stands there already")));
+}
+
+TEST(Surroundings, show_boxes_above_ground_planes_about_the_tree_and_meshes) {
+  Bounds shown;
+  shown.add({-1, -1, 0});
+  shown.add({1, 1, 3});
+  IgmSite site;
+  EXPECT_TRUE(surroundings_of(site, shown).triangles.empty());
+  site.solids.half_spaces.push_back({{0, 0, 0}, {0, 0, 1}});  // the ground
+  EXPECT_TRUE(surroundings_of(site, shown).triangles.empty());
+  site.solids.boxes.push_back({{2, 2, -5}, {3, 3, -1}});  // a cellar
+  EXPECT_TRUE(surroundings_of(site, shown).triangles.empty());
+  site.solids.boxes.push_back({{2, -1, -5}, {3, 1, 4}});
+  site.solids.half_spaces.push_back({{-2, 0, 0}, {2, 0, 0}});
+  TriangleMesh rock;
+  rock.origin_shift = {10, 0, 0};
+  rock.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  rock.triangles = {{0, 1, 2}};
+  site.solids.meshes.push_back(rock);
+  const TriangleMesh all = surroundings_of(site, shown);
+  ASSERT_EQ(all.triangles.size(), 12U + 2U + 1U);
+  for (std::size_t i = 0; i < 24; ++i) EXPECT_GE(all.vertices[i].z(), 0);
+  for (std::size_t i = 24; i < 28; ++i) EXPECT_NEAR(all.vertices[i].x(), -2, 1e-12);
+  EXPECT_EQ(all.vertices[29], Vec3(11, 0, 0));
 }
 
 }  // namespace
