@@ -215,7 +215,8 @@ IgmGrowth grow_igm(const IgmParameters& parameters, const IgmSite& site, const I
   int last = 0;
   for (const IgmParameters& p : stand.parameters) last = std::max(last, p.cycles);
   if (options.until_stop) last = kMostCycles;
-  growth.stop_reason = "reached cycle " + std::to_string(last);
+  growth.stop_reason = sim.cycle > last ? "it was past cycle " + std::to_string(last) + " already"
+                                        : "reached cycle " + std::to_string(last);
   progress.begin("growing", options.until_stop ? 0 : std::max(0, last - sim.cycle), "cycles");
   bool stopped = false;
   while (sim.cycle < last && !stopped) {

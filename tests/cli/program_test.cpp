@@ -144,6 +144,22 @@ TEST(Program, grow_lists_its_parameters_with_unit_and_bounds) {
   EXPECT_EQ(rows.size(), igm_parameter_table().size());
 }
 
+TEST(Program, scans_refuse_what_cannot_be) {
+  const test::ScratchFolder scratch;
+  const std::string scan =
+      "scan " + sample("young_tree_truth.csv") + " -o " + (scratch / "c.las").string() + " --step 1deg ";
+  EXPECT_EQ(run(scan + "--ground=-1m").code, 3);
+  EXPECT_EQ(run(scan + "--ground-slope 70deg").code, 3);
+  EXPECT_EQ(run(scan + "--instrument-height=-1m").code, 3);
+  EXPECT_EQ(run(scan + "--ground 0m --grass-height 10cm").code, 2);
+  EXPECT_EQ(run(scan + "--species oak").code, 2);
+  EXPECT_EQ(run(scan + "--max-range 1m").code, 4);
+  EXPECT_TRUE(files_in(scratch.path()).empty());
+  EXPECT_EQ(run(scan + "--ground-slope 20deg --grass-height 10cm --drop-out 0.1 --returns 2").code, 0);
+  for (const char* file : {"c.las", "c_truth.csv", "c_truth.json", "c_run.toml"})
+    EXPECT_TRUE(fs::exists(scratch / file)) << file;
+}
+
 TEST(Program, no_leaves_asked_for_is_no_error) {
   const test::ScratchFolder scratch;
   const Outcome none =
