@@ -20,7 +20,7 @@ struct Row {
   Member member;
 };
 
-constexpr std::array<Row, 24> kRows{{
+constexpr std::array<Row, 25> kRows{{
     {{"rho_m", "rho", "m", 0, 1e-4, 10, "internode length", "Table 2"}, &IgmParameters::rho_m},
     {{"lambda", "lambda", "", 0, 0.01, 0.99,
       "share of an axis against its branch; above 0.5 favours the axis", "4.2 (Table 3 says the reverse)"},
@@ -65,6 +65,9 @@ constexpr std::array<Row, 24> kRows{{
      &IgmParameters::restore_light},
     {{"stretch_internodes", "", "", 0, 0, 1, "1: internodes of rho v / floor(v)", "authors' program"},
      &IgmParameters::stretch_internodes},
+    {{"stretch_by_node", "", "", 0, 0, 1, "1: v there of the node's shoots together, not of each",
+      "the authors' lengths: median 1.03 rho"},
+     &IgmParameters::stretch_by_node},
     {{"paper", "", "", 0, 0, 1, "1: siblings counted twice in radii, as the printed diameters need",
       "authors' program"},
      &IgmParameters::paper},
