@@ -14,7 +14,6 @@ namespace {
 constexpr int kBrickBits = 5;
 constexpr int kBrick = 1 << kBrickBits;  // voxels a side
 constexpr std::size_t kBrickCells = std::size_t{kBrick} * kBrick;
-constexpr std::int32_t kStripRows = kBrick / 2;  // of a row of bricks: what the nearest cache holds
 
 // column += the rows of bricks that lie side by side; a missing brick is 0.
 DENDROFIT_VECTORISED
@@ -89,58 +88,59 @@ void LightField::cast(std::span<const Voxel> nodes, const ShadeProfile& profile,
   check_memory();
 }
 
-// Some rows of one row of bricks of a layer, to write on.
-struct LightField::Strip {
+// A layer to write on, in voxels from the corner of its table of bricks.
+struct LightField::Canvas {
   LightField& field;
   Fixed** const bricks;
-  const std::size_t count;
-  const std::int32_t x0, first_cell;  // voxel of the first brick; of the strip in each brick
+  const std::uint32_t width;
+  const std::int32_t x0, y0;
 
-  Strip(LightField& owner, Layer& layer, std::int32_t first_row)
+  Canvas(LightField& owner, Layer& layer)
       : field(owner),
-        bricks(layer.bricks.data() + ((first_row >> kBrickBits) - layer.table.y0) * layer.table.width()),
-        count(static_cast<std::size_t>(layer.table.width())),
+        bricks(layer.bricks.data()),
+        width(static_cast<std::uint32_t>(layer.table.width())),
         x0(layer.table.x0 * kBrick),
-        first_cell((first_row & (kBrick - 1)) * kBrick) {}
+        y0(layer.table.y0 * kBrick) {}
 
-  void add(std::uint32_t x, std::uint32_t line, Fixed amount) const {
-    Fixed*& brick = bricks[x >> kBrickBits];
+  void add(Fixed** row, std::uint32_t line, std::uint32_t x, Fixed amount) const {
+    Fixed*& brick = row[x >> kBrickBits];
     if (!brick) brick = field.new_brick();
     brick[line + x % kBrick] += amount;
   }
-  // From voxel x on, `side` voxels wide, up to the pair that takes it back further up; the row counted from
-  // the strip's first.
-  void add_pair(std::int32_t x, std::int32_t row, std::uint32_t side, Fixed amount) const {
-    const auto left = static_cast<std::uint32_t>(x - x0);
-    const auto line = static_cast<std::uint32_t>(first_cell + row * kBrick);
-    add(left, line, amount);
-    add(left + side, line, -amount);
-  }
-  // Asks the processor for it ahead of time.
-  void fetch() const {
-    constexpr std::int32_t kLine = 64 / sizeof(Fixed);
-    for (std::size_t b = 0; b < count; ++b)
-      if (bricks[b])
-        for (std::int32_t i = 0; i < kStripRows * kBrick; i += kLine)
-          __builtin_prefetch(bricks[b] + first_cell + i, 1, 2);
+  // The square from voxel (x, y) on, `side` voxels wide, as its four corners.
+  void add_square(std::int32_t x, std::int32_t y, std::uint32_t side, Fixed amount) const {
+    const auto left = static_cast<std::uint32_t>(x - x0), low = static_cast<std::uint32_t>(y - y0);
+    const std::uint32_t right = left + side, high = low + side;
+    Fixed** const below = bricks + (low >> kBrickBits) * width;
+    Fixed** const above = bricks + (high >> kBrickBits) * width;
+    const std::uint32_t first = (low % kBrick) * kBrick, last = (high % kBrick) * kBrick;
+    add(below, first, left, amount);
+    add(below, first, right, -amount);
+    add(above, last, left, -amount);
+    add(above, last, right, amount);
   }
 };
 
-// l = l_0 - b^-q (Yi 2018, 4.5) in a strip of one layer: each node's square as its corners, the lower two and
-// the upper two where they lie in the strip.
-void LightField::draw(const Shadows& shadows, std::int32_t z, std::int32_t first_row) {
-  const Strip strip(*this, layers_[static_cast<std::size_t>(z)], first_row);
-  const auto [first, last] = shadows.steps(z);
-  for (int q = first; q <= last; ++q) {
-    const int half = shadow_half_width(q);
-    const auto side = static_cast<std::uint32_t>(2 * half + 1);
-    const auto add = [&](std::int32_t first_y, Fixed amount) {
-      const auto [from, to] = shadows.rows().rows(z + q, first_y, first_y + kStripRows);
+// l = l_0 - b^-q (Yi 2018, 4.5) in one layer.
+void LightField::draw(std::int32_t z) {
+  Layer& layer = layers_[static_cast<std::size_t>(z)];
+  // The layer is asked for in the order of memory before it is written to in that of the nodes.
+  constexpr std::size_t kLine = 64 / sizeof(Fixed);
+  for (Fixed* const brick : layer.bricks)
+    if (brick)
+      for (std::size_t i = 0; i < kBrickCells; i += kLine) __builtin_prefetch(brick + i, 1, 2);
+  const Canvas canvas(*this, layer);
+  for (; layer.drawn < cast_.size(); ++layer.drawn) {
+    const Shadows& shadows = cast_[layer.drawn];
+    const auto [first, last] = shadows.steps(z);
+    for (int q = first; q <= last; ++q) {
+      const int half = shadow_half_width(q);
+      const auto side = static_cast<std::uint32_t>(2 * half + 1);
+      const Fixed amount = shadows.amount(q);
+      const auto [from, to] = shadows.rows().layers(z + q, z + q);
       for (std::uint32_t i = from; i < to; ++i)
-        strip.add_pair(shadows.x(i) - half, shadows.y(i) - first_y, side, amount);
-    };
-    add(first_row + half, shadows.amount(q));
-    add(first_row - half - 1, -shadows.amount(q));
+        canvas.add_square(shadows.x(i) - half, shadows.y(i) - half, side, amount);
+    }
   }
 }
 
@@ -152,8 +152,7 @@ void LightField::darken(const Voxel& voxel, Fixed amount) {
   layer.reach.add({voxel.x, voxel.y, voxel.x + 1, voxel.y + 1});
   check_memory();
   make_room(layer);
-  Strip(*this, layer, voxel.y).add_pair(voxel.x, 0, 1, amount);
-  Strip(*this, layer, voxel.y + 1).add_pair(voxel.x, 0, 1, -amount);
+  Canvas(*this, layer).add_square(voxel.x, voxel.y, 1, amount);
 }
 
 void LightField::read(std::span<const Voxel> at, std::span<Fixed> shade) {
@@ -189,17 +188,18 @@ void LightField::read_layer(std::int32_t z, const VoxelRows& queries, std::span<
   Layer& layer = layers_[static_cast<std::size_t>(z)];
   const auto [from, to] = queries.layers(z, z);
   if (layer.reach.empty() || from == to) return;
+  make_room(layer);
   asked_.number.assign(queries.order().begin() + from, queries.order().begin() + to);
   const auto middle =
       std::partition(asked_.number.begin(), asked_.number.end(), [&](std::uint32_t i) { return i < known; });
   asked_.known = static_cast<std::size_t>(middle - asked_.number.begin());
   if (worth_drawing(z)) {
     for (const std::uint32_t i : asked_.number) shade[i] = 0;
-    integrate(z, true, queries, at, shade, 0);
-    layer.drawn = cast_.size();
+    draw(z);
+    integrate(z, queries, at, shade, 0);
     return;
   }
-  if (asked_.known < asked_.number.size()) integrate(z, false, queries, at, shade, known);
+  if (asked_.known < asked_.number.size()) integrate(z, queries, at, shade, known);
   asked_.place.clear();
   for (const std::uint32_t i : asked_.number) asked_.place.push_back(at[i]);
   asked_.shade.assign(asked_.number.size(), 0);
@@ -212,48 +212,38 @@ void LightField::read_layer(std::int32_t z, const VoxelRows& queries, std::span<
   for (std::size_t i = 0; i < added.size(); ++i) shade[asked_.number[i]] += added[i];
 }
 
-// Strip by strip, while it is in the nearest cache: draws what is not drawn (if `draw_too`), then integrates
-// as much as the voxels after the first `known` ask for. Nothing lies before what was cast.
-void LightField::integrate(std::int32_t z, bool draw_too, const VoxelRows& queries, std::span<const Voxel> at,
+// Integrates as much of a layer as the voxels after the first `known` ask for: nothing lies before what was
+// cast.
+void LightField::integrate(std::int32_t z, const VoxelRows& queries, std::span<const Voxel> at,
                            std::span<Fixed> shade, std::size_t known) {
-  Layer& layer = layers_[static_cast<std::size_t>(z)];
-  make_room(layer);
+  const Layer& layer = layers_[static_cast<std::size_t>(z)];
   const VoxelRect& reach = layer.reach;
   const VoxelRect& wanted = queries.layer(z).span;
-  const std::int32_t last_x = std::min(wanted.x1, reach.x1);
-  const std::int32_t last_y = last_x < reach.x0 ? reach.y0 - 1 : std::min(wanted.y1, reach.y1);
+  const std::int32_t last_x = std::min(wanted.x1, reach.x1), last_y = std::min(wanted.y1, reach.y1);
+  if (last_x < reach.x0) return;
   const std::int32_t x0 = layer.table.x0 << kBrickBits;  // of the column
-  const auto across = static_cast<std::size_t>(std::max(0, (last_x >> kBrickBits) - layer.table.x0 + 1));
+  const auto across = static_cast<std::size_t>((last_x >> kBrickBits) - layer.table.x0) + 1;
   column_.assign(across * kBrick, 0);
   sum_.resize(across * kBrick);
   std::int32_t next = reach.y0;  // row not yet in the column
-  const bool drawing = draw_too && layer.drawn < cast_.size();
-  for (std::int32_t first_row = reach.y0 & -kStripRows; first_row <= (drawing ? reach.y1 : last_y);
-       first_row += kStripRows) {
-    if (drawing) {
-      if (first_row + kStripRows <= reach.y1) Strip(*this, layer, first_row + kStripRows).fetch();
-      for (std::size_t s = layer.drawn; s < cast_.size(); ++s) draw(cast_[s], z, first_row);
+  for (std::int32_t y = std::max(wanted.y0, reach.y0); y <= last_y; ++y) {
+    const auto [from, to] = queries.rows(z, y, y + 1);
+    const std::span asked = queries.order().subspan(from, to - from);
+    std::int32_t furthest = x0 - 1;
+    for (const std::uint32_t i : asked)
+      if (i >= known && at[i].x <= last_x) furthest = std::max(furthest, at[i].x);
+    if (furthest < x0) continue;
+    while (next <= y) {
+      const std::int32_t brick = next >> kBrickBits;
+      const std::int32_t last = std::min(y, (brick << kBrickBits) + kBrick - 1);
+      add_rows(across, layer.bricks.data() + (brick - layer.table.y0) * layer.table.width(),
+               next & (kBrick - 1), last & (kBrick - 1), column_.data());
+      next = last + 1;
     }
-    Fixed* const* const bricks = Strip(*this, layer, first_row).bricks;
-    const std::int32_t end = std::min(last_y + 1, first_row + kStripRows);
-    const auto add_up_to = [&](std::int32_t y) {
-      add_rows(across, bricks, next & (kBrick - 1), y & (kBrick - 1), column_.data());
-      next = y + 1;
-    };
-    for (std::int32_t y = std::max({wanted.y0, reach.y0, first_row}); y < end; ++y) {
-      const auto [from, to] = queries.rows(z, y, y + 1);
-      const std::span asked = queries.order().subspan(from, to - from);
-      std::int32_t furthest = x0 - 1;
-      for (const std::uint32_t i : asked)
-        if (i >= known && at[i].x <= last_x) furthest = std::max(furthest, at[i].x);
-      if (furthest < x0) continue;
-      add_up_to(y);
-      std::partial_sum(column_.begin(), column_.begin() + (furthest + 1 - x0), sum_.begin());
-      for (const std::uint32_t i : asked)
-        if (i >= known && at[i].x >= x0 && at[i].x <= last_x)
-          shade[i] = sum_[static_cast<std::size_t>(at[i].x - x0)];
-    }
-    if (next < end) add_up_to(end - 1);  // while it is at hand
+    std::partial_sum(column_.begin(), column_.begin() + (furthest + 1 - x0), sum_.begin());
+    for (const std::uint32_t i : asked)
+      if (i >= known && at[i].x >= x0 && at[i].x <= last_x)
+        shade[i] = sum_[static_cast<std::size_t>(at[i].x - x0)];
   }
 }
 

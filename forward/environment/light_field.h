@@ -40,7 +40,7 @@ class LightField {
     std::vector<Fixed*> bricks;  // row after row; none where nothing was drawn
     std::size_t drawn = 0;       // shadows that are in the bricks; the others of cast_ are not
   };
-  struct Strip;
+  struct Canvas;
   // The voxels of one layer a reading asks for: those known first, then those to be read in full.
   struct Asked {
     std::vector<std::uint32_t> number;
@@ -52,12 +52,12 @@ class LightField {
   void check_memory() const;
   Fixed* new_brick();
   static void make_room(Layer& layer);
-  void draw(const Shadows& shadows, std::int32_t z, std::int32_t first_row);
+  void draw(std::int32_t z);
   bool worth_drawing(std::int32_t z) const;
   void read_layer(std::int32_t z, const VoxelRows& queries, std::span<const Voxel> at, std::span<Fixed> shade,
                   std::size_t known);
-  void integrate(std::int32_t z, bool draw_too, const VoxelRows& queries, std::span<const Voxel> at,
-                 std::span<Fixed> shade, std::size_t known);
+  void integrate(std::int32_t z, const VoxelRows& queries, std::span<const Voxel> at, std::span<Fixed> shade,
+                 std::size_t known);
 
   std::vector<Layer> layers_;
   std::vector<Shadows> cast_;

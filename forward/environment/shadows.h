@@ -84,7 +84,7 @@ class VoxelRows {
   std::vector<std::uint32_t> start_, order_;
 };
 
-/// The shadows of nodes with one profile, sorted so that what they do to a layer can be drawn strip by strip
+/// The shadows of nodes with one profile, sorted so that what they do to a layer can be drawn
 /// or summed at single voxels.
 class Shadows {
  public:
