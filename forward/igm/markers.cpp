@@ -88,7 +88,9 @@ double cone_reach(double h, double cone) {
 
 MarkerField::MarkerField(const std::vector<Vec3>& position, const std::vector<Fixed>& shade,
                          const VoxelFrame& frame, double cell_m)
-    : frame_(frame), cell_(Vec3(cell_m, 0.5 * cell_m, cell_m) / frame.edge_m) {
+    : frame_(frame),
+      cell_(Vec3(cell_m, 0.5 * cell_m, cell_m) / frame.edge_m),
+      per_cell_(cell_.cwiseInverse()) {
   if (position.empty()) return;
   const Bounds bounds = bounds_of(position);
   lo_ = (bounds.lo - frame.origin) / frame.edge_m;
@@ -128,6 +130,16 @@ MarkerField::MarkerField(const std::vector<Vec3>& position, const std::vector<Fi
 
 int MarkerField::cell_of(double coordinate, int axis) const {
   return std::clamp(floor_to_int((coordinate - lo_[axis]) / cell_[axis]), 0, count_[axis] - 1);
+}
+
+int MarkerField::cell_before(double coordinate, int axis) const {
+  return std::clamp(floor_to_int((coordinate - kRounding - lo_[axis]) * per_cell_[axis]), 0,
+                    count_[axis] - 1);
+}
+
+int MarkerField::cell_after(double coordinate, int axis) const {
+  return std::clamp(floor_to_int((coordinate + kRounding - lo_[axis]) * per_cell_[axis]), 0,
+                    count_[axis] - 1);
 }
 
 MarkerField::Run MarkerField::run(int x, int y0, int y1, int z) const {
@@ -174,8 +186,8 @@ bool MarkerField::pull(const Vec3& at, const Vec3& heading, double near_m, doubl
       static_cast<float>(near * near), static_cast<float>(far * far),   static_cast<float>(cone * cone)};
   int lo[3], hi[3];  // cells of the box about the near ball and the cone
   for (int axis = 0; axis < 3; ++axis) {
-    lo[axis] = cell_of(p[axis] - std::max(near, far * cone_reach(-heading[axis], cone)) - kRounding, axis);
-    hi[axis] = cell_of(p[axis] + std::max(near, far * cone_reach(heading[axis], cone)) + kRounding, axis);
+    lo[axis] = cell_before(p[axis] - std::max(near, far * cone_reach(-heading[axis], cone)), axis);
+    hi[axis] = cell_after(p[axis] + std::max(near, far * cone_reach(heading[axis], cone)), axis);
   }
   double sx = 0, sy = 0, sz = 0;
   for (int cz = lo[2]; cz <= hi[2]; ++cz)
@@ -222,13 +234,13 @@ void MarkerField::cast(std::span<const Voxel> nodes, const ShadeProfile& profile
     high = {std::max(high.x, node.x), std::max(high.y, node.y), std::max(high.z, node.z)};
   }
   const int deepest = profile.layers() - 1;
-  const int cz0 = cell_of(low.z - deepest - 0.5, 2), cz1 = cell_of(high.z + 0.5, 2);
+  const int cz0 = cell_before(low.z - deepest - 0.5, 2), cz1 = cell_after(high.z + 0.5, 2);
   for (int cz = cz0; cz <= cz1; ++cz) {
     // The shadow's width at the bottom of this layer of cells.
     const double bottom = lo_.z() + cz * cell_.z();
     const int half = std::clamp(static_cast<int>(std::ceil(high.z - bottom + 0.5)), 0, kPyramidLayers);
-    const int cx0 = cell_of(low.x - half - 0.5, 0), cx1 = cell_of(high.x + half + 0.5, 0);
-    const int cy0 = cell_of(low.y - half - 0.5, 1), cy1 = cell_of(high.y + half + 0.5, 1);
+    const int cx0 = cell_before(low.x - half - 0.5, 0), cx1 = cell_after(high.x + half + 0.5, 0);
+    const int cy0 = cell_before(low.y - half - 0.5, 1), cy1 = cell_after(high.y + half + 0.5, 1);
     for (int cx = cx0; cx <= cx1; ++cx) {
       const Run markers = run(cx, cy0, cy1, cz);
       shade_run(markers.last - markers.first, vx_.data() + markers.first, vy_.data() + markers.first,
