@@ -6,12 +6,12 @@
 #include "cli/report/report.h"
 #include "cli/version.h"
 #include "core/atomic_file.h"
+#include "core/range.h"
 #include "fit/descriptors.h"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include <fmt/format.h>
@@ -47,15 +47,6 @@ std::vector<ReportParameter> parameters_of(const TreeFit& fit) {
 }
 
 constexpr int kOtherSeeds = 8;
-
-struct Range {
-  double lo = std::numeric_limits<double>::infinity();
-  double hi = -std::numeric_limits<double>::infinity();
-  void add(double x) {
-    lo = std::min(lo, x);
-    hi = std::max(hi, x);
-  }
-};
 
 /// Heights and diameters of trees of the same parameters and other seeds, cycle by cycle: what chance alone
 /// makes.

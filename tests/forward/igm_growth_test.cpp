@@ -262,7 +262,7 @@ TEST(IgmGrowth, goes_on_from_a_scanned_tree_of_any_cylinder_lengths_far_from_the
   const int b = add({3, 4, 1.83}, {3.05, 4, 2.9}, a, 0.045, 0, 0);
   add({3.05, 4, 2.9}, {3.1, 4.1, 3.3}, b, 0.03, 0, 0);
   add({3.06, 4, 2.1}, {3.9, 4.2, 2.6}, b, 0.02, 1, 1);
-  add({2.97, 4, 2.0}, {2.96, 4, 2.02}, b, 0.01, 2, 1);  // a stub
+  add({2.97, 4, 2.0}, {2.96, 4, 2.02}, b, 0.01, 2, 1);  // shorter than the bearer is thick
   IgmParameters p = igm_preset("standard").parameters;
   IgmOptions options;
   options.start = scanned;
