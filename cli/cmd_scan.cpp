@@ -30,7 +30,7 @@ class Scan : public Command {
     options.integer("--stations", scan_.stations, "Scanner stations, evenly around the tree");
     options.number("--distance", scan_.distance_m, Quantity::length, "From the tree's foot to each station");
     options.number("--instrument-height", scan_.instrument_height_m, Quantity::length,
-                   "Of the scanner above the foot");
+                   "Of the scanner above the ground it stands on");
     options.number("--azimuth", scan_.first_azimuth_deg, Quantity::angle, "Of the first station");
     options.number("--step", scan_.step_deg, Quantity::angle, "Between neighbouring beams, both ways");
     options.number("--divergence", scan_.divergence_mrad, Quantity::pure,
@@ -45,7 +45,10 @@ class Scan : public Command {
     options.integer("--returns", scan_.max_returns, "Returns of one beam, at most");
     options.number("--max-range", scan_.max_range_m, Quantity::length, "Nothing farther is seen");
     options.number("--ground", ground_m_, Quantity::length,
-                   "Radius of flat ground about the foot (0: no ground)");
+                   "Radius of the ground about the foot (0: no ground)");
+    options.number("--ground-slope", scan_.ground_slope_deg, Quantity::angle,
+                   "Of the ground, rising towards +x");
+    options.number("--grass-height", scan_.grass_height_m, Quantity::length, "Height of grass on the ground");
     options.flag("--leaf-on", leaf_on_, "Put leaves on the tree first (see the options on leaves)");
     options.flag("--hits", hits_,
                  "Also write which cylinder, leaf and station each point is from (_hits.csv)");
@@ -57,8 +60,16 @@ class Scan : public Command {
     ScanOptions options = scan_;
     options.seed = session.common().seed;
     options.threads = session.common().threads;
+    if (!(ground_m_ >= 0)) throw InputError(fmt::format("--ground {}m: must not be negative", ground_m_));
+    if (ground_m_ == 0 && (options.ground_slope_deg != 0 || options.grass_height_m > 0))
+      throw UsageError("--ground-slope, --grass-height: there is no ground (--ground 0m)");
     options.ground_radius_m = ground_m_ > 0 ? std::optional<double>(ground_m_) : std::nullopt;
     options.validate();
+    const bool leaves_described = leaves_.area_m2 || leaves_.lai || leaves_.count || leaves_.length_m ||
+                                  !leaves_.blade.empty() || !leaves_.inclination.empty() ||
+                                  !leaves_.profile.empty() || leaves_.species != LeafSettings{}.species;
+    if (!leaf_on_ && leaves_described)
+      throw UsageError("options on leaves without leaves: put them on the tree with --leaf-on");
     const LeafOptions leaf_options = leaves_.resolve(session.common());
     check_cloud_format(output_);
     prepare_output_file(output_, session.common());
@@ -82,8 +93,9 @@ class Scan : public Command {
 
     session.json(json_text(
         {{"output", output_.string()}, {"points", scan.cloud.size()}, {"stations", scan.positions.size()}}));
-    session.say(fmt::format("{} points from {} stations: {}; truth in {} and {}", scan.cloud.size(),
-                            scan.positions.size(), output_.string(), beside("_truth.csv").filename().string(),
+    session.say(fmt::format("{} points from {} station{}: {}; truth in {} and {}", scan.cloud.size(),
+                            scan.positions.size(), scan.positions.size() == 1 ? "" : "s", output_.string(),
+                            beside("_truth.csv").filename().string(),
                             beside("_truth.json").filename().string()));
     return 0;
   }

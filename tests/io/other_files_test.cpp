@@ -380,6 +380,11 @@ TEST(Toml, RefusesWithFileAndLine) {
   EXPECT_THAT(complaint("\na = [1, \"x\"]\n"), HasSubstr("line 2: a: a list of several kinds"));
   EXPECT_THAT(complaint("a = 2020-01-01\n"), HasSubstr("dates"));
   EXPECT_THAT(complaint("a = " + std::string(100000, '[')), HasSubstr("line 1"));
+  EXPECT_TRUE(read_toml(folder.file("p.toml", "[a]\n[[b]]\n")).empty());
+  for (const auto& [text, name] : {std::pair("x = 1\n[a]\n", "line 2: [a]: nothing in it"),
+                                   std::pair("[[b]]\nx = 1\n[[b]]\n", "line 3: [[b]]: nothing in it")})
+    EXPECT_THAT(refusal([&] { read_toml_without_empty_tables(folder.file("p.toml", text)); }),
+                HasSubstr(name));
 }
 
 TEST(Toml, WritesTextOfAnyBytesSoThatItCanBeRead) {
