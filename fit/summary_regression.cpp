@@ -34,7 +34,8 @@ class Features {
     basis_ = solver.eigenvectors().rightCols(kept).rowwise().reverse();
     for (Eigen::Index k = 0; k < kept; ++k)
       basis_.col(k) /= std::sqrt(std::max(kLeastVariance, solver.eigenvalues()[inputs.cols() - 1 - k]));
-    while (crossed_ < std::min(kept, kMostCrossed) && kept + (crossed_ + 1) * (crossed_ + 2) / 2 <= most) ++crossed_;
+    while (crossed_ < std::min(kept, kMostCrossed) && kept + (crossed_ + 1) * (crossed_ + 2) / 2 <= most)
+      ++crossed_;
     const Eigen::MatrixXd raw = expand(inputs);
     mean_ = raw.colwise().mean();
     scale_ = ((raw.rowwise() - mean_).array().square().colwise().mean().sqrt()).max(1e-9).matrix();
