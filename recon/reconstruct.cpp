@@ -12,6 +12,7 @@
 #include "recon/radii.h"
 #include "recon/scan_intervals.h"
 #include "recon/sections.h"
+#include "recon/side_shoots.h"
 #include "recon/skeleton.h"
 
 #include <algorithm>
@@ -157,8 +158,8 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   result.stray_points = unreached + scan.points.size() - paths.order.size();
   clock.mark("mending");
 
-  std::vector<Limb> limbs = make_limbs(scan.points, sections, graph.typical_spacing_m,
-                                       SkeletonOptions{.shortest_limb_m = options.shortest_limb_m});
+  const SkeletonOptions skeleton_options{.shortest_limb_m = options.shortest_limb_m};
+  std::vector<Limb> limbs = make_limbs(scan.points, sections, graph.typical_spacing_m, skeleton_options);
   clock.mark("skeleton");
 
   const RadiusOptions radius_options{.twig_diameter_m = options.twig_diameter_m};
@@ -168,7 +169,13 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   Sights sights = look_at_limbs(scan.points, limbs, seeing, progress);
   seeing.noise_m = scan_noise(limbs, sights, seeing.noise_m, radius_options);
   centre_limbs(limbs, sights, seeing);
+  divide_long_stretches(scan.points, limbs, graph.typical_spacing_m);
   lead_limbs_back(scan.points, limbs, graph.typical_spacing_m);
+  hand_over_points(scan.points, graph, limbs, seeing.noise_m);
+  centre_limbs(limbs, look_at_limbs(scan.points, limbs, seeing, progress), seeing);
+  grow_side_shoots(scan.points, graph, paths, limbs, seeing.noise_m, skeleton_options);
+  centre_limbs(limbs, look_at_limbs(scan.points, limbs, seeing, progress), seeing);
+  hand_over_points(scan.points, graph, limbs, seeing.noise_m);
   centre_limbs(limbs, look_at_limbs(scan.points, limbs, seeing, progress), seeing);
   progress.end();
   clock.mark("centre lines");

@@ -47,6 +47,7 @@ void look(const std::vector<Vec3>& points, const Limb& limb, std::size_t node, d
 
 Spread spread_of(const std::vector<Eigen::Vector2d>& flat, std::vector<double>& scratch) {
   constexpr double kFarthest = 6;  // medians of the squared distance; noise alone leaves 2 % beyond
+  constexpr double kMiddle = 3;    // a twig's base pulls the middle from nearer
   Spread spread;
   if (flat.size() < kFewestPoints) return spread;
   double limit = 1e300;
@@ -70,7 +71,7 @@ Spread spread_of(const std::vector<Eigen::Vector2d>& flat, std::vector<double>& 
     for (const auto& p : flat) scratch.push_back((p - spread.middle).squaredNorm());
     const auto half = scratch.begin() + static_cast<std::ptrdiff_t>(scratch.size() / 2);
     std::nth_element(scratch.begin(), half, scratch.end());
-    limit = kFarthest * *half;
+    limit = (pass < 2 ? kMiddle : kFarthest) * *half;
   }
   const auto n = static_cast<double>(spread.count);
   spread.square *= n / (n - 1);

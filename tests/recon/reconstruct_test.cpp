@@ -5,6 +5,8 @@
 #include "core/tree_topology.h"
 #include "tests/recon/hand_made_clouds.h"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 
@@ -71,6 +73,28 @@ TEST(Reconstruct, a_small_tree_has_its_branches_where_they_are) {
     EXPECT_TRUE(std::abs(z - 1.5) < 0.06 || std::abs(z - 1.9) < 0.06) << z;
   }
   EXPECT_EQ(first_order, 2);
+}
+
+TEST(Reconstruct, a_crooked_branch_and_its_spurs_are_followed_closely) {
+  PointCloud cloud;
+  test::add_wood(cloud, {0, 0, 0}, {0, 0, 2}, 0.04, 0.02, 0.012, 0.001);
+  const std::array<Vec3, 5> bends = {Vec3(0.02, 0, 1.2), Vec3(0.15, 0, 1.3), Vec3(0.22, 0.1, 1.3),
+                                     Vec3(0.35, 0.1, 1.42), Vec3(0.5, 0.02, 1.42)};
+  for (std::size_t i = 0; i + 1 < bends.size(); ++i)
+    test::add_wood(cloud, bends[i], bends[i + 1], 0.008, 0.008, 0.012, 0.001);
+  test::add_wood(cloud, {0.42, 0.07, 1.43}, {0.42, 0.07, 1.47}, 0.003, 0.002, 0.012, 0.001);
+  const Reconstruction r = reconstruct(cloud);
+  std::size_t far = 0;
+  for (const Vec3& p : cloud.points) {
+    double nearest = 1e300;
+    for (std::size_t i = 0; i < r.tree.size(); ++i) {
+      const Vec3 start = r.tree.start[i] + r.tree.origin_shift, run = r.tree.end[i] - r.tree.start[i];
+      const double t = std::clamp((p - start).dot(run) / run.squaredNorm(), 0.0, 1.0);
+      nearest = std::min(nearest, std::abs((start + t * run - p).norm() - r.tree.radius[i]));
+    }
+    far += nearest > 0.01;
+  }
+  EXPECT_LT(static_cast<double>(far), 0.01 * static_cast<double>(cloud.size())) << far;
 }
 
 TEST(Reconstruct, a_y_becomes_two_arms_and_the_thicker_goes_on) {

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "recon/side_shoots.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dendrofit {
+namespace {
+
+constexpr std::int32_t kNobody = -1;
+
+/// Which limb's node each point belongs to.
+struct Owners {
+  std::vector<std::int32_t> limb, node;
+
+  Owners(std::size_t points, const std::vector<Limb>& limbs) : limb(points, kNobody), node(points, kNobody) {
+    for (std::size_t l = 0; l < limbs.size(); ++l)
+      for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i)
+        for (const std::uint32_t p : limbs[l].nodes[i].points) {
+          limb[p] = static_cast<std::int32_t>(l);
+          node[p] = static_cast<std::int32_t>(i);
+        }
+  }
+};
+
+/// The limb's line near one of its nodes.
+LimbPlace place_near(const Limb& limb, const Vec3& point, std::int32_t node) {
+  constexpr std::size_t kNodes = 2;  // to either side
+  const auto at = static_cast<std::size_t>(node);
+  const std::size_t first = at > kNodes ? at - kNodes : 0;
+  const std::size_t last = std::min(at + kNodes, limb.nodes.size() - 1);
+  return nearest_place(limb, point, first, last);
+}
+
+double off_surface(const LimbPlace& place) {
+  return place.distance_m - place.radius_m;
+}
+
+/// How far points may lie off a surface by noise, bark and a shape that is not round.
+double tolerance(double radius_m, double noise_m) {
+  return std::max({3 * noise_m, 0.2 * radius_m, 0.004});
+}
+
+void take_away(std::vector<Limb>& limbs, const Owners& owners) {
+  for (std::size_t l = 0; l < limbs.size(); ++l)
+    for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i)
+      std::erase_if(limbs[l].nodes[i].points, [&](std::uint32_t p) {
+        return owners.limb[p] != static_cast<std::int32_t>(l) ||
+               owners.node[p] != static_cast<std::int32_t>(i);
+      });
+}
+
+}  // namespace
+
+void hand_over_points(const std::vector<Vec3>& points, const PointGraph& graph, std::vector<Limb>& limbs,
+                      double noise_m) {
+  const Owners before(points.size(), limbs);
+  Owners after = before;
+  for (std::uint32_t p = 0; p < points.size(); ++p) {
+    if (before.limb[p] == kNobody) continue;
+    const Limb& own = limbs[static_cast<std::size_t>(before.limb[p])];
+    const LimbPlace place = place_near(own, points[p], before.node[p]);
+    double least = std::abs(off_surface(place));
+    if (least <= tolerance(place.radius_m, noise_m)) continue;
+    for (const std::uint32_t v : graph.of(p)) {
+      if (before.limb[v] == kNobody || before.limb[v] == before.limb[p]) continue;
+      const Limb& other = limbs[static_cast<std::size_t>(before.limb[v])];
+      const LimbPlace there = place_near(other, points[p], before.node[v]);
+      const double off = std::abs(off_surface(there));
+      if (off >= least || off > tolerance(there.radius_m, noise_m)) continue;
+      least = off;
+      after.limb[p] = before.limb[v];
+      after.node[p] = static_cast<std::int32_t>(there.node);
+    }
+  }
+  take_away(limbs, after);
+  for (std::uint32_t p = 0; p < points.size(); ++p)
+    if (after.limb[p] != before.limb[p])
+      limbs[static_cast<std::size_t>(after.limb[p])]
+          .nodes[static_cast<std::size_t>(after.node[p])]
+          .points.push_back(p);
+}
+
+void grow_side_shoots(const std::vector<Vec3>& points, const PointGraph& graph, const Paths& paths,
+                      std::vector<Limb>& limbs, double noise_m, const SkeletonOptions& options) {
+  options.validate();
+  constexpr std::size_t kFewest = 4;
+  const double spacing = graph.typical_spacing_m;
+  const double shortest = std::max({options.shortest_limb_m, 1.2 * spacing, 4 * noise_m});
+  const double step = std::max(0.02, 2.5 * spacing);
+  Owners owners(points.size(), limbs);
+  std::vector<float> out(points.size(), 0);  // metres beyond the surface; 0: on it
+  for (std::uint32_t p = 0; p < points.size(); ++p) {
+    if (owners.limb[p] == kNobody) continue;
+    const LimbPlace place =
+        place_near(limbs[static_cast<std::size_t>(owners.limb[p])], points[p], owners.node[p]);
+    if (off_surface(place) > tolerance(place.radius_m, noise_m))
+      out[p] = static_cast<float>(off_surface(place));
+  }
+  std::vector<char> seen(points.size(), 0);
+  std::vector<std::uint32_t> shoot;
+  const std::size_t bearers = limbs.size();
+  for (std::uint32_t seed = 0; seed < points.size(); ++seed) {
+    if (seen[seed] || !(out[seed] > 0)) continue;
+    shoot.assign(1, seed);
+    seen[seed] = 1;
+    for (std::size_t m = 0; m < shoot.size(); ++m)
+      for (const std::uint32_t v : graph.of(shoot[m]))
+        if (!seen[v] && out[v] > 0 && owners.limb[v] == owners.limb[seed]) {
+          seen[v] = 1;
+          shoot.push_back(v);
+        }
+    if (shoot.size() < kFewest) continue;
+    std::sort(shoot.begin(), shoot.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return paths.length[a] != paths.length[b] ? paths.length[a] < paths.length[b] : a < b;
+    });
+    const auto bearer = static_cast<std::size_t>(owners.limb[seed]);
+    double reach = 0;
+    for (const std::uint32_t p : shoot) reach = std::max(reach, static_cast<double>(out[p]));
+    const std::uint32_t base = shoot.front();
+    const LimbPlace at = place_near(limbs[bearer], points[base], owners.node[base]);
+    if (reach < shortest + 0.15 * at.radius_m) continue;
+
+    Limb limb;
+    limb.parent = static_cast<std::int32_t>(bearer);
+    limb.parent_node = static_cast<std::int32_t>(at.node);
+    const auto begin = paths.length[base];
+    const std::size_t slices = std::max<std::size_t>(
+        1, static_cast<std::size_t>((paths.length[shoot.back()] - begin) / static_cast<float>(step) + 0.5F));
+    const float slice = (paths.length[shoot.back()] - begin) / static_cast<float>(slices);
+    LimbNode foot;
+    foot.centre = points[base];
+    limb.nodes.push_back(foot);
+    for (std::size_t k = 0, first = 0; k < slices && first < shoot.size(); ++k) {
+      LimbNode node;
+      std::size_t last = first;
+      const float end = begin + slice * static_cast<float>(k + 1);
+      while (last < shoot.size() && (k + 1 == slices || paths.length[shoot[last]] < end)) ++last;
+      if (last == first) continue;
+      node.points.assign(shoot.begin() + static_cast<std::ptrdiff_t>(first),
+                         shoot.begin() + static_cast<std::ptrdiff_t>(last));
+      for (const std::uint32_t p : node.points)
+        node.centre += points[p] / static_cast<double>(node.points.size());
+      first = last;
+      limb.nodes.push_back(std::move(node));
+    }
+    // The tip reaches as far as its points do.
+    LimbNode& tip = limb.nodes.back();
+    const Vec3 run = tip.centre - limb.nodes[limb.nodes.size() - 2].centre;
+    if (run.norm() > 0) {
+      double far = 0;
+      for (const std::uint32_t p : tip.points)
+        far = std::max(far, (points[p] - tip.centre).dot(run.normalized()));
+      tip.centre += 0.8 * far * run.normalized();
+    }
+    // Thickness: what the points scatter about the line.
+    double square = 0;
+    for (std::size_t k = 1; k < limb.nodes.size(); ++k)
+      for (const std::uint32_t p : limb.nodes[k].points)
+        square +=
+            std::pow(nearest_place(limb, points[p], k - 1, std::min(k, limb.nodes.size() - 2)).distance_m, 2);
+    const double rough = std::sqrt(square / static_cast<double>(shoot.size()));
+    for (LimbNode& node : limb.nodes) node.rough_radius_m = std::min(rough, at.radius_m);
+    const auto id = static_cast<std::int32_t>(limbs.size());
+    for (std::size_t k = 1; k < limb.nodes.size(); ++k)
+      for (const std::uint32_t p : limb.nodes[k].points) {
+        owners.limb[p] = id;
+        owners.node[p] = static_cast<std::int32_t>(k);
+      }
+    limbs.push_back(std::move(limb));
+  }
+  if (limbs.size() == bearers) return;
+  take_away(limbs, owners);
+  measure_lengths(limbs);
+}
+
+}  // namespace dendrofit
