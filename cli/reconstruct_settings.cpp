@@ -54,6 +54,8 @@ ReconstructOptions ReconstructSettings::resolve(const CommonOptions& common) con
 std::string reconstruction_json(const Reconstruction& r) {
   const Json json = {{"foot", {r.foot.x(), r.foot.y(), r.foot.z()}},
                      {"ground_found", r.ground_found},
+                     {"stems", r.stems},
+                     {"other_trees", r.other_trees},
                      {"leaf_on", r.leaf_on},
                      {"leafy_share", r.leafy_share},
                      {"straight_share", r.straight_share},
@@ -64,6 +66,7 @@ std::string reconstruction_json(const Reconstruction& r) {
                       {{"read", r.raw_points},
                        {"after_merging", r.clean_points},
                        {"ground", r.ground_points},
+                       {"other_trees", r.other_points},
                        {"stray", r.stray_points},
                        {"tree", r.tree_points},
                        {"leaf", r.leaf_points.size()}}},

@@ -54,6 +54,9 @@ struct Reconstruction {
   std::size_t clean_points = 0;   ///< after merging near duplicates
   std::size_t ground_points = 0;  ///< ground and low vegetation
   std::size_t stray_points = 0;   ///< isolated, or beyond every gap that may be bridged
+  std::size_t stems = 1;          ///< of the tree, from one stool
+  std::size_t other_trees = 0;    ///< that stand in the scan too and were left out,
+  std::size_t other_points = 0;   ///< with these points
   std::size_t tree_points = 0;    ///< wood and leaves
   std::size_t bridged_gaps = 0;   ///< gaps the skeleton crosses
 };
