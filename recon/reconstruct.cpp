@@ -61,13 +61,14 @@ void set_leaves_aside(const PointCloud& cloud, const std::vector<std::uint32_t>&
 
 /// Says that there are more stems than one, where there are.
 void tell_of_stems(Reconstruction& result) {
-  if (result.other_trees > 0) {
+  if (!result.other_trees.empty()) {
     std::ostringstream text;
-    text << std::fixed << std::setprecision(1) << result.other_trees + 1
-         << " trees stand in this scan: the model is of the one with the most points, at " << result.foot.x()
-         << " " << result.foot.y() << "; " << result.other_points
-         << " points went to its neighbours. Where crowns touch, the border is a guess: clip the tree by "
-            "hand if that matters";
+    text << std::fixed << std::setprecision(1) << result.other_trees.size() + 1
+         << " trees stand in this scan: the model is of the one at " << result.foot.x() << " "
+         << result.foot.y() << "; " << result.other_points
+         << " points went to its neighbours. Where crowns touch, the border is a guess. --tree-at takes "
+            "another, such as "
+         << result.other_trees.front().x() << ',' << result.other_trees.front().y();
     result.warnings.push_back(text.str());
   } else if (result.other_points > 0) {
     result.warnings.push_back(std::to_string(result.other_points) +
@@ -146,11 +147,15 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   clock.mark("gaps");
 
   Stool tree_feet = trees.front();
+  std::optional<std::size_t> wanted;
+  if (options.tree_at)
+    wanted = tree_nearest_to(*options.tree_at - scan.origin_shift.head<2>(), trees, scan.origin_shift);
   if (trees.size() > 1) {
-    const LargestTree largest = keep_largest_tree(scan.points, graph, bridges, trees, open, progress);
-    tree_feet = trees[largest.tree];
-    result.other_trees = largest.other_trees;
-    result.other_points = largest.other_points;
+    const KeptTree kept = keep_tree(scan.points, graph, bridges, trees, wanted, open, progress);
+    tree_feet = trees[kept.tree];
+    for (const std::size_t t : kept.other_trees)
+      result.other_trees.push_back(scan.origin_shift + trees[t].front().position);
+    result.other_points = kept.other_points;
     keep_points(scan, open, tree_feet);
     graph = neighbor_graph(scan.points, graph_options, progress);
     open.assign(scan.points.size(), 1);

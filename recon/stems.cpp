@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "recon/stems.h"
 
+#include "core/errors.h"
 #include "recon/pieces.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <iomanip>
+#include <sstream>
 
 namespace dendrofit {
 namespace {
@@ -112,9 +114,9 @@ std::vector<Foot> stems_of(const std::vector<Stool>& trees) {
   return all;
 }
 
-LargestTree keep_largest_tree(const std::vector<Vec3>& points, const PointGraph& graph,
-                              const std::vector<Bridge>& bridges, const std::vector<Stool>& trees,
-                              std::vector<char>& open, Progress& progress) {
+KeptTree keep_tree(const std::vector<Vec3>& points, const PointGraph& graph,
+                   const std::vector<Bridge>& bridges, const std::vector<Stool>& trees,
+                   std::optional<std::size_t> wanted, std::vector<char>& open, Progress& progress) {
   std::vector<std::uint32_t> owner(points.size(), Paths::kNone), sources;
   for (std::size_t t = 0; t < trees.size(); ++t)
     for (const std::uint32_t p : ring_of(trees[t])) {
@@ -132,15 +134,37 @@ LargestTree keep_largest_tree(const std::vector<Vec3>& points, const PointGraph&
     high[owner[p]] = std::max(high[owner[p]], points[p].z());
     low[owner[p]] = std::min(low[owner[p]], points[p].z());
   }
-  LargestTree largest;
-  largest.tree = static_cast<std::size_t>(std::max_element(count.begin(), count.end()) - count.begin());
-  largest.other_points = paths.order.size() - count[largest.tree];
+  KeptTree kept;
+  kept.tree =
+      wanted.value_or(static_cast<std::size_t>(std::max_element(count.begin(), count.end()) - count.begin()));
+  kept.other_points = paths.order.size() - count[kept.tree];
   for (std::size_t t = 0; t < trees.size(); ++t)
-    largest.other_trees +=
-        t != largest.tree && high[t] - low[t] >= kLow * (high[largest.tree] - low[largest.tree]);
+    if (t != kept.tree && high[t] - low[t] >= kLow * (high[kept.tree] - low[kept.tree]))
+      kept.other_trees.push_back(t);
   for (const std::uint32_t p : paths.order)
-    if (owner[p] != largest.tree) open[p] = 0;
-  return largest;
+    if (owner[p] != kept.tree) open[p] = 0;
+  return kept;
+}
+
+std::size_t tree_nearest_to(const Eigen::Vector2d& at, const std::vector<Stool>& trees,
+                            const Vec3& origin_shift) {
+  constexpr double kReach_m = 2.0;
+  double nearest = kReach_m;
+  std::optional<std::size_t> found;
+  std::ostringstream stems;
+  stems << std::fixed << std::setprecision(2);
+  for (std::size_t t = 0; t < trees.size(); ++t)
+    for (const Foot& foot : trees[t]) {
+      const Vec3 world = foot.position + origin_shift;
+      stems << (stems.tellp() > 0 ? "; " : "") << world.x() << ' ' << world.y();
+      const double away = (foot.position.head<2>() - at).norm();
+      if (away > nearest) continue;
+      nearest = away;
+      found = t;
+    }
+  if (!found)
+    throw SolverError("no stem stands within 2 m of the place asked for; stems stand at " + stems.str());
+  return *found;
 }
 
 std::vector<std::uint32_t> ring_of(const Stool& stool) {

@@ -8,6 +8,7 @@
 #include "recon/graph.h"
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace dendrofit {
@@ -25,17 +26,22 @@ std::vector<Stool> tell_trees(const std::vector<Vec3>& points, const PointGraph&
 /// All their feet.
 std::vector<Foot> stems_of(const std::vector<Stool>& trees);
 
-struct LargestTree {
-  std::size_t tree = 0;          ///< index
-  std::size_t other_trees = 0;   ///< those of the others that are no less than a third as high
-  std::size_t other_points = 0;  ///< points of all others
+struct KeptTree {
+  std::size_t tree = 0;                  ///< index
+  std::vector<std::size_t> other_trees;  ///< those of the others that are no less than a third as high
+  std::size_t other_points = 0;          ///< points of all others
 };
 
-/// Every point goes to the tree from whose feet its shortest path comes. Keeps the tree with the most of them
-/// and closes (open[i] = 0) the others' points.
-LargestTree keep_largest_tree(const std::vector<Vec3>& points, const PointGraph& graph,
-                              const std::vector<Bridge>& bridges, const std::vector<Stool>& trees,
-                              std::vector<char>& open, Progress& progress);
+/// Every point goes to the tree from whose feet its shortest path comes. Keeps the one `wanted` (an
+/// index), or else the one with the most points, and closes (open[i] = 0) the others' points.
+KeptTree keep_tree(const std::vector<Vec3>& points, const PointGraph& graph,
+                   const std::vector<Bridge>& bridges, const std::vector<Stool>& trees,
+                   std::optional<std::size_t> wanted, std::vector<char>& open, Progress& progress);
+
+/// Index of the tree with the stem nearest to `at` (plan, local). Throws SolverError that names the stems
+/// (world: local plus origin_shift) where none stands within 2 m of it.
+std::size_t tree_nearest_to(const Eigen::Vector2d& at, const std::vector<Stool>& trees,
+                            const Vec3& origin_shift);
 
 /// The points that paths start from: the lowest ring of every stem.
 std::vector<std::uint32_t> ring_of(const Stool& stool);

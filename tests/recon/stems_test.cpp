@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "recon/stems.h"
 
+#include "core/errors.h"
 #include "recon/reconstruct.h"
 #include "tests/recon/hand_made_clouds.h"
 
@@ -40,7 +41,7 @@ TEST(Stems, a_neighbours_wood_stays_its_own) {
   const std::size_t own = cloud.size();
   add_tree(cloud, 2.2, 4.5, 0.05);  // boughs cross
   const Reconstruction result = reconstruct(cloud);
-  EXPECT_EQ(result.other_trees, 1u);
+  EXPECT_EQ(result.other_trees.size(), 1u);
   EXPECT_EQ(result.stems, 1u);
   EXPECT_EQ(stems_of_model(result.tree), 1);
   EXPECT_NEAR(result.foot.x(), 0, 0.02);
@@ -52,13 +53,33 @@ TEST(Stems, a_neighbours_wood_stays_its_own) {
   EXPECT_NE(result.warnings.front().find("2 trees stand in this scan"), std::string::npos);
 }
 
+TEST(Stems, the_tree_asked_for_is_modelled) {
+  PointCloud cloud;
+  add_tree(cloud, 0, 6, 0.07);
+  add_tree(cloud, 2.2, 4.5, 0.05);
+  cloud.origin_shift = {500000, 5000000, 0};
+  ReconstructOptions options;
+  options.tree_at = Eigen::Vector2d(500002, 5000000.3);
+  const Reconstruction result = reconstruct(cloud, options);
+  EXPECT_NEAR(result.foot.x(), 500002.2, 0.02);
+  EXPECT_NEAR(result.metrics.height_m, 4.5, 0.06);
+  EXPECT_EQ(result.other_trees.size(), 1u);
+  options.tree_at = Eigen::Vector2d(500020, 5000000);
+  try {
+    reconstruct(cloud, options);
+    FAIL() << "a tree where none stands";
+  } catch (const SolverError& error) {
+    EXPECT_NE(std::string(error.what()).find("500002.2"), std::string::npos) << error.what();
+  }
+}
+
 TEST(Stems, stems_of_one_stool_are_one_tree_and_each_begins_at_the_ground) {
   PointCloud cloud;
   test::add_wood(cloud, {0, 0, 0}, {-0.3, 0, 5}, 0.06, 0.01, 0.01, 0.001);
   test::add_wood(cloud, {0.35, 0, 0}, {0.8, 0, 4}, 0.04, 0.01, 0.01, 0.001);
   test::add_wood(cloud, {-0.2, 0, 3}, {0.6, 0, 3.4}, 0.015, 0.006, 0.01, 0.001);  // the crowns touch
   const Reconstruction result = reconstruct(cloud);
-  EXPECT_EQ(result.other_trees, 0u);
+  EXPECT_EQ(result.other_trees.size(), 0u);
   EXPECT_EQ(result.stems, 2u);
   ASSERT_EQ(stems_of_model(result.tree), 2);
   std::vector<double> at;
@@ -86,7 +107,7 @@ TEST(Stems, a_bough_that_hangs_to_the_ground_is_no_stem) {
   test::add_wood(cloud, {1, 0, 2.9}, {1.5, 0, 1.8}, 0.02, 0.012, 0.01, 0.001);
   test::add_wood(cloud, {1.5, 0, 1.8}, {1.6, 0, 0.01}, 0.012, 0.008, 0.01, 0.001);
   const Reconstruction result = reconstruct(cloud);
-  EXPECT_EQ(result.other_trees, 0u);
+  EXPECT_EQ(result.other_trees.size(), 0u);
   EXPECT_EQ(result.stems, 1u);
   EXPECT_EQ(stems_of_model(result.tree), 1);
   EXPECT_LT(nearest_to_line(result.tree, 1.6), 0.05);  // and the bough is followed to its end
@@ -97,7 +118,7 @@ TEST(Stems, a_post_beside_the_tree_is_neither_a_tree_nor_its_wood) {
   add_tree(cloud, 0, 6, 0.07);
   test::add_wood(cloud, {1, 1, 0}, {1, 1, 0.9}, 0.05, 0.05, 0.01, 0.001);
   const Reconstruction result = reconstruct(cloud);
-  EXPECT_EQ(result.other_trees, 0u);
+  EXPECT_EQ(result.other_trees.size(), 0u);
   EXPECT_EQ(result.stems, 1u);
   EXPECT_GT(result.other_points, 200u);
   EXPECT_NEAR(result.foot.x(), 0, 0.02);
@@ -118,7 +139,7 @@ TEST(Stems, far_copies_of_one_tree_are_told_apart_in_any_order) {
     ASSERT_EQ(trees.size(), 3u);
     EXPECT_EQ(trees.front().front().position.x(), feet.front().position.x());
     std::vector<char> open(cloud.size(), 1);
-    const LargestTree largest = keep_largest_tree(cloud.points, graph, {}, trees, open, no_progress());
+    const KeptTree largest = keep_tree(cloud.points, graph, {}, trees, {}, open, no_progress());
     EXPECT_NEAR(trees[largest.tree].front().position.x(), 3, 0.02);
     for (std::size_t i = 0; i < cloud.size(); ++i)
       if (open[i]) {
