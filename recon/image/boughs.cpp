@@ -19,7 +19,7 @@ constexpr float kScatter = 4;    // of the surroundings' own spread that a pixel
 constexpr float kLeastOff = 7;   // grey levels
 constexpr float kEdge = 1.5;     // pixels about what is surely bark
 constexpr float kFringe = 4;     // pixels beyond known wood that a bough must reach
-constexpr int kGridStep = 4;     // columns between places where the surroundings are told
+constexpr int kGridStep = 12;    // columns between places where the surroundings are told
 constexpr float kSure = 1.5;     // times nearer to the bark's hue than to the surroundings'
 constexpr std::uint8_t kOther = 0, kMaybe = 1, kBark = 2;
 constexpr int kCrest = 2;           // rows about the horizon
@@ -82,7 +82,7 @@ class Evened {
 /// columns (wood and sky) left out.
 std::vector<Behind> behind_row(const std::vector<Colour>& row, const std::vector<std::uint8_t>& other,
                                int reach, const Colour& bark) {
-  const int width = static_cast<int>(row.size()), step = std::max(3, reach / 40);
+  const int width = static_cast<int>(row.size()), step = std::max(3, reach / 20);
   std::vector<Behind> result;
   std::vector<Colour> samples;
   std::vector<float> values;
