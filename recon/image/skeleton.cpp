@@ -238,4 +238,17 @@ PlaneSkeleton skeletonise(const Silhouette& silhouette, const ImageSkeletonOptio
   return result;
 }
 
+double foot_radius_px(const PlaneSkeleton& skeleton) {
+  double radius = skeleton.radius_px.front(), run = 0;
+  std::size_t at = 0;
+  for (std::size_t i = 1; i < skeleton.size() && run <= 2 * radius; ++i) {
+    const bool on = static_cast<std::size_t>(skeleton.parent[i]) == at && skeleton.continues[i];
+    if (at != 0 ? !on : skeleton.parent[i] != 0) continue;
+    run += (skeleton.px[i] - skeleton.px[at]).norm();
+    radius = std::max(radius, skeleton.radius_px[i]);
+    at = i;
+  }
+  return radius;
+}
+
 }  // namespace dendrofit
