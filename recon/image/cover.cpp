@@ -4,6 +4,7 @@
 #include "recon/image/distance.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace dendrofit {
@@ -61,6 +62,26 @@ void set_cover(Silhouette& s, const SkyRatio& sky) {
       const float own = s.tree[p] ? bark_near(s, light, inside, x, y, dark) : dark;
       s.cover[p] = std::clamp((1 - light[p]) / (1 - own), 0.0f, 1.0f);
     }
+}
+
+std::vector<std::uint8_t> sharpened(const Silhouette& s) {
+  constexpr float kSolid = 0.6F;
+  constexpr std::array<std::array<int, 2>, 4> kWays{{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
+  std::vector<std::uint8_t> sharp = s.tree;
+  for (int y = 1; y + 1 < s.height; ++y)
+    for (int x = 1; x + 1 < s.width; ++x) {
+      const std::size_t p = s.pixel(x, y);
+      if (!sharp[p] || s.cover[p] >= kSolid) continue;
+      float bend = 0;
+      for (const auto& [dx, dy] : kWays) {
+        const float here =
+            (s.cover[s.pixel(x + dx, y + dy)] + s.cover[s.pixel(x - dx, y - dy)] - 2 * s.cover[p]) /
+            static_cast<float>(dx * dx + dy * dy);
+        if (std::abs(here) > std::abs(bend)) bend = here;
+      }
+      if (bend > 0) sharp[p] = 0;
+    }
+  return sharp;
 }
 
 }  // namespace dendrofit

@@ -12,4 +12,9 @@ namespace dendrofit {
 /// itself.
 void set_cover(Silhouette& silhouette, const SkyRatio& sky);
 
+/// The silhouette without the soft edges of wood and without the gaps these fill between neighbours: pixels
+/// that are covered for the most part, or whose cover bends downwards to its sides (in the direction, of
+/// four, in which it bends most). What a mask gives has no soft edges and stays as it is.
+std::vector<std::uint8_t> sharpened(const Silhouette& silhouette);
+
 }  // namespace dendrofit

@@ -2,6 +2,7 @@
 #include "recon/image/skeleton.h"
 
 #include "core/errors.h"
+#include "recon/image/cover.h"
 #include "recon/image/distance.h"
 #include "recon/image/lines.h"
 #include "recon/image/radii.h"
@@ -208,9 +209,9 @@ void ImageSkeletonOptions::validate() const {
 
 PlaneSkeleton skeletonise(const Silhouette& silhouette, const ImageSkeletonOptions& options) {
   options.validate();
-  LineImage lines{silhouette.width, silhouette.height,
-                  thin(silhouette.tree, silhouette.width, silhouette.height),
-                  distance_inside(silhouette.tree, silhouette.width, silhouette.height)};
+  const std::vector<std::uint8_t> sharp = sharpened(silhouette);
+  LineImage lines{silhouette.width, silhouette.height, thin(sharp, silhouette.width, silhouette.height),
+                  distance_inside(sharp, silhouette.width, silhouette.height)};
   PlaneSkeleton result;
   result.joined_pieces = join_pieces(lines, options.gap_px, options.gap_radii, options.gap_turn_deg);
   PlaneGraph graph = trace(lines);
