@@ -4,6 +4,7 @@
 #include "core/errors.h"
 #include "core/parallel.h"
 #include "core/tree_topology.h"
+#include "recon/image/cover.h"
 #include "recon/image/segmentation.h"
 #include "recon/intervals.h"
 
@@ -79,7 +80,7 @@ Outline outline_of(const View& view, std::vector<std::string>& warnings) {
     const Silhouette silhouette = find_silhouette(view.photo);
     for (const std::string& warning : silhouette.warnings)
       warnings.push_back(view.photo.name + ": " + warning);
-    return {silhouette.tree, silhouette.width, silhouette.height, silhouette.cover};
+    return {sharpened(silhouette), silhouette.width, silhouette.height, silhouette.cover};
   } catch (const SolverError& error) {
     throw SolverError(view.photo.name + ": " + error.what());
   }
