@@ -47,7 +47,9 @@ void check_views(const ViewSet& set) {
         " given, at least 2 are needed for depth (4 for a usable crown, 8 for a good one); a single "
         "photograph goes without --cameras");
   if (!set.metric)
-    throw InputError("the cameras have no unit of length: give the tree's height (--height 12.4m)");
+    throw InputError(
+        "the cameras have no unit of length: give the tree's height (--height 12.4m) or a "
+        "--scale-bar in the first view");
   for (const View& view : set.views) {
     view.photo.validate();
     view.camera.validate();
