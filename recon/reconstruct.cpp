@@ -2,6 +2,7 @@
 #include "recon/reconstruct.h"
 
 #include "core/errors.h"
+#include "recon/align_scans.h"
 #include "recon/build_tree.h"
 #include "recon/foot.h"
 #include "recon/forks.h"
@@ -144,6 +145,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   Sights sights = look_at_limbs(scan.points, limbs, seeing, progress);
   seeing.noise_m = scan_noise(limbs, sights, seeing.noise_m, radius_options);
   centre_limbs(limbs, sights, seeing);
+  result.scan_shifts = align_scans(scan.points, scan.source, limbs, seeing.noise_m);
   lead_limbs_back(scan.points, limbs, graph.typical_spacing_m);
   centre_limbs(limbs, look_at_limbs(scan.points, limbs, seeing, progress), seeing);
   progress.end();
