@@ -2,13 +2,14 @@
 #include "recon/align_scans.h"
 
 #include "core/random.h"
-#include "recon/cylinder_fit.h"
+#include "recon/scan_order.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 namespace dendrofit {
@@ -24,7 +25,7 @@ struct Scanned {
 };
 
 /// A stem and three branches, each scan's share of their points displaced by its shift. Scans stand evenly
-/// around and see the sides that face them.
+/// around and see the sides that face them, with noise along their beams.
 Scanned scanned(const std::vector<Vec3>& shifts) {
   Scanned s;
   Random random(5);
@@ -57,10 +58,9 @@ Scanned scanned(const std::vector<Vec3>& shifts) {
       for (LimbNode& node : s.limbs[w].nodes)
         for (int i = 0; i < 12; ++i) {
           const double across = random.uniform(-1, 1), front = std::sqrt(1 - across * across);
-          const Vec3 jitter(random.normal(), random.normal(), random.normal());
           node.points.push_back(static_cast<std::uint32_t>(s.points.size()));
           s.points.push_back(node.centre + woods[w].radius * (front * toward + across * side) +
-                             kNoise * jitter + shifts[k]);
+                             kNoise * random.normal() * view + shifts[k]);
           s.scan_of.push_back(static_cast<std::uint16_t>(k));
         }
     }
