@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Photographs a tree that exists as cylinders from a ring of cameras, reconstructs it from them and says how
-// near it comes; or writes the photographs for the command line.
+// near it comes; or writes the photographs for the command line; or takes photographs written before.
 //
-// usage: photo_bench [--tree QSM.csv | --preset NAME --seed N] [--views N,N,...] [--size WxH] [--focal PX]
-//                    [--photos] [--turn-error DEG] [--shift-error M] [--k1 K] [--out DIR] [--threads N]
-#include "cli/report/image.h"
-#include "core/atomic_file.h"
+// usage: photo_bench [--tree QSM.csv | --preset NAME --seed N --cycles N] [--views N,N,...] [--size WxH]
+//                    [--focal PX] [--photos] [--turn-error DEG] [--shift-error M] [--k1 K] [--out DIR]
+//                    [--images cameras.json] [--threads N]
+// --photos: without the masks.
 #include "forward/igm/grow.h"
+#include "io/read_cameras.h"
 #include "io/read_tree.h"
 #include "io/write_tree.h"
 #include "recon/reconstruct_views.h"
@@ -19,8 +20,8 @@
 #include <filesystem>
 #include <string>
 
+#include "bench/photo_files.h"
 #include "bench/photo_score.h"
-#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
 namespace {
@@ -35,46 +36,10 @@ double cpu_seconds() {
          1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
-void write_views(const fs::path& folder, const ViewSet& set) {
-  fs::create_directories(folder);
-  nlohmann::ordered_json json = {
-      {"format", "dendrofit-cameras"}, {"version", 1}, {"units", "m"}, {"up", {0, 0, 1}}};
-  json["origin"] = {set.origin_shift.x(), set.origin_shift.y(), set.origin_shift.z()};
-  json["pixel_origin"] = "corner";
-  const Camera& first = set.views.front().camera;
-  json["cameras"] = nlohmann::ordered_json::array();
-  json["cameras"].push_back({{"id", 0},
-                             {"model", "radial2"},
-                             {"width", first.width},
-                             {"height", first.height},
-                             {"fx", first.fx},
-                             {"fy", first.fy},
-                             {"cx", first.cx},
-                             {"cy", first.cy},
-                             {"k1", first.k1},
-                             {"k2", first.k2}});
-  json["images"] = nlohmann::ordered_json::array();
-  for (const View& view : set.views) {
-    nlohmann::ordered_json pose = nlohmann::ordered_json::array();
-    for (int r = 0; r < 3; ++r)
-      pose.push_back({view.camera.rotation(r, 0), view.camera.rotation(r, 1), view.camera.rotation(r, 2),
-                      view.camera.translation[r]});
-    const std::string photo = view.photo.name + ".png", mask = "mask_" + view.photo.name.substr(5) + ".png";
-    Image image(view.photo.width, view.photo.height, {});
-    image.rgb = view.photo.rgb;
-    write_png(folder / photo, image);
-    for (std::size_t i = 0; i < view.photo.mask.size(); ++i)
-      for (std::size_t k = 0; k < 3; ++k) image.rgb[3 * i + k] = view.photo.mask[i];
-    write_png(folder / mask, image);
-    json["images"].push_back({{"file", photo}, {"mask", mask}, {"camera", 0}, {"camera_from_world", pose}});
-  }
-  write_file(folder / "cameras.json", json.dump(1) + "\n");
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string tree_file, preset = "standard", out, counts = "8";
+  std::string tree_file, preset = "standard", out, images, counts = "8";
   std::uint64_t seed = 1;
   int cycles = 0;
   test::RingOptions ring;
@@ -107,6 +72,8 @@ int main(int argc, char** argv) {
       ring.shift_error_m = std::atof(value());
     else if (key == "--out")
       out = value();
+    else if (key == "--images")
+      images = value();
     else if (key == "--threads")
       ring.render.threads = options.cloud.threads = std::atoi(value());
     else
@@ -126,22 +93,35 @@ int main(int argc, char** argv) {
               "parents", "height%", "dbh mm", "r bias", "IoU", "p 1px", "r 1px", "CPU s", "MB");
   for (char* word = std::strtok(counts.data(), ","); word; word = std::strtok(nullptr, ",")) {
     ring.views = std::atoi(word);
-    const ViewSet set = test::photograph_ring(truth, ring);
-    if (!out.empty()) {
-      write_views(fs::path(out) / word, set);
+    const ViewSet set = images.empty() ? test::photograph_ring(truth, ring) : read_cameras_json(images);
+    if (!out.empty() && images.empty()) {
+      bench::write_views(fs::path(out) / word, set);
       write_qsm_csv(fs::path(out) / "truth.csv", truth);
     }
+    ViewSet given = set;
+    if (ring.render.photograph)  // the masks are the truth here
+      for (View& view : given.views) view.photo.mask.clear();
     const double begin = cpu_seconds();
-    const ViewsReconstruction result = reconstruct_views(set, options);
+    ViewsReconstruction result;
+    try {
+      result = reconstruct_views(given, options);
+    } catch (const std::exception& error) {
+      std::printf("%5d %s\n", ring.views, error.what());
+      continue;
+    }
     const double seconds = cpu_seconds() - begin;
-    if (!out.empty()) write_qsm_csv(fs::path(out) / word / "qsm.csv", result.model.tree);
+    for (const std::string& warning : result.model.warnings) std::fprintf(stderr, "%s\n", warning.c_str());
+    if (!out.empty()) {
+      fs::create_directories(fs::path(out) / word);
+      write_qsm_csv(fs::path(out) / word / "qsm.csv", result.model.tree);
+    }
     const bench::PhotoScore s = bench::score_tree(result.model.tree, truth, set);
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     std::printf("%5d %6.3f %6.3f %6.3f %5.3f/%-3d %6.2f %4.1f/%-4.0f %6.3f %6.3f %6.3f %6.3f %7.1f %6ld\n",
-                ring.views, s.precision, s.recall, s.f, s.parents, s.parents_tested, 100 * s.height_error,
-                1000 * s.dbh_error_m.value_or(-9), 1000 * s.true_dbh_m, s.radius_bias, s.iou,
-                s.near_precision, s.near_recall, seconds, usage.ru_maxrss / 1024);
+                static_cast<int>(set.views.size()), s.precision, s.recall, s.f, s.parents, s.parents_tested,
+                100 * s.height_error, 1000 * s.dbh_error_m.value_or(-9), 1000 * s.true_dbh_m, s.radius_bias,
+                s.iou, s.near_precision, s.near_recall, seconds, usage.ru_maxrss / 1024);
     std::fflush(stdout);
   }
   return 0;

@@ -3,7 +3,9 @@
 // and any folder of scans with their truth beside them (NAME.las with NAME_truth.csv, as `dendrofit scan`
 // writes).
 //
-// usage: recon_bench [--cases N] [--leaf-on] [--folder DIR] [--keep DIR] [--out FILE.csv] [--seconds S]
+// usage: recon_bench [--cases N] [--first K] [--leaf-on] [--folder DIR] [--keep DIR] [--out FILE.csv]
+// [--seconds S]
+//   --cases N, --first K   made cases K to N (K = 1)
 //   --out FILE.csv   one row a case; cases that have a row there are not run again
 //   --keep DIR       also keep the made scans and truths there, for --folder
 //   --seconds S      start no further case after so many CPU seconds
@@ -88,6 +90,7 @@ struct Row {
 
 struct Options {
   int cases = 12;
+  int first = 1;
   bool leaves = false;
   std::vector<fs::path> folders;
   fs::path keep, out;
@@ -283,6 +286,8 @@ Options parse(int argc, char** argv) {
     const char* text = argv[++i];
     if (key == "--cases")
       options.cases = std::atoi(text);
+    else if (key == "--first")
+      options.first = std::atoi(text);
     else if (key == "--folder")
       options.folders.emplace_back(text);
     else if (key == "--keep")
@@ -313,7 +318,9 @@ int run(const Options& options) {
         100 * row.value[branch_rel], row.value[loose_f], row.value[strict_f], row.value[leaf_accuracy]);
     std::fflush(stdout);
   };
-  for (const Case& c : made_cases(options.cases, options.leaves)) {
+  std::vector<Case> cases = made_cases(options.cases, options.leaves);
+  cases.erase(cases.begin(), cases.begin() + std::clamp(options.first - 1, 0, options.cases));
+  for (const Case& c : cases) {
     if (is_done(c.name) || cpu_seconds() > options.seconds) continue;
     take(run_made(c, options));
   }

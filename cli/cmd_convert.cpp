@@ -6,6 +6,7 @@
 #include "cli/parse.h"
 #include "core/errors.h"
 #include "io/file_info.h"
+#include "io/json_text.h"
 #include "io/las_format.h"
 #include "io/write_cloud.h"
 #include "io/write_mesh.h"
@@ -74,6 +75,9 @@ class Convert : public Command {
       shift = resolve_shift(rounded_origin(info.bounds));
       info.tree->origin_shift += shift;
       if (const auto format = write_any_tree(*info.tree)) lost = losses(*info.tree, out_, *format);
+      if (!info.crs_wkt.empty())
+        lost.push_back("tree models and meshes have no place for the coordinate system (" + info.crs_wkt +
+                       "); it stays in the metrics.json beside the input");
       what = fmt::format("{} cylinders", info.tree->size());
     } else {
       throw InputError(fmt::format("{}: a {} cannot be converted; expected a point cloud or a QSM",
@@ -81,7 +85,7 @@ class Convert : public Command {
     }
     nlohmann::ordered_json json = {{"output", out_.string()}, {"content", what}, {"lost", lost}};
     if (!shift.isZero(0)) json["shift"] = {shift.x(), shift.y(), shift.z()};
-    session.json(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    session.json(json_text(json));
     session.say(fmt::format("{} -> {}: {}", in_.string(), out_.string(), what));
     if (!shift.isZero(0))
       session.say(fmt::format("  shifted by {},{},{} m (--shift {},{},{} takes it back)", shift.x(),

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // dendrofit fit SCAN|PHOTO|qsm.csv... -o DIR
 #include "cli/commands.h"
+#include "cli/fit_report.h"
 #include "cli/fit_settings.h"
 #include "cli/observed_tree.h"
 #include "cli/output_folder.h"
 #include "cli/parse.h"
+#include "cli/report_file.h"
 #include "cli/tree_files.h"
+#include "cli/version.h"
 #include "core/atomic_file.h"
 #include "fit/fit_trees.h"
 #include "fit/tree_simulator.h"
 #include "forward/virtual_scan/virtual_scan.h"
 #include "io/file_info.h"
+#include "io/metrics_json.h"
 
 #include <algorithm>
 #include <fstream>
@@ -73,7 +77,7 @@ class Fit : public Command {
 
     if (through_scan_) options.observe = observer(session, measure(observed).height_m);
     const TreeFit fit = fit_tree(observed, options, session.progress());
-    write_results(session, folder, fit);
+    write_results(session, folder, inputs.front(), fit);
     for (const fs::path& other : fit_.inputs()) inputs.push_back(other);
     write_file(folder / "run.toml", run_record(session, inputs));
     fs::remove(checkpoint);
@@ -104,7 +108,7 @@ class Fit : public Command {
     }
     const TreesFit fit = fit_trees(trees, options, session.progress());
     for (std::size_t t = 0; t < trees.size(); ++t)
-      write_results(session, own_folder(folder, t), fit.trees[t]);
+      write_results(session, own_folder(folder, t), files[t], fit.trees[t]);
     const std::string json = trees_fit_json(fit);
     write_file(folder / "fit.json", json);
     write_file(folder / "run.toml", run_record(session, files));
@@ -129,13 +133,27 @@ class Fit : public Command {
     return fs::is_directory(input) ? input / "qsm.csv" : input;
   }
 
-  static void write_results(Session& session, const fs::path& folder, const TreeFit& fit) {
+  /// Also report.json, which `view` makes a page of.
+  static void write_results(Session& session, const fs::path& folder, const fs::path& input,
+                            const TreeFit& fit) {
     write_fit(folder, fit);
     DirectEstimates observed = fit.direct;
     observed.internode_length_m = fit.best.rho_m;
     const Tree regrown = regrow(fit.best, observed, fit.best_seed, session.progress()).tree;
     fs::create_directories(folder / "regrown");
     write_tree_files(folder / "regrown", regrown, measure(regrown), {});
+    ReportData report;
+    report.title = input.stem().string();
+    describe_fit(report, fit);
+    report.provenance.version = version();
+    report.provenance.seed = session.common().seed;
+    report.provenance.command_line = "dendrofit fit " + input.filename().string();
+    report.provenance.input_name = input.filename().string();
+    report.provenance.input_checksum = "crc32:" + checksum(input);
+    // Of a scan that was reconstructed here, or as it stands beside the model that was given.
+    const fs::path model = folder / "qsm.csv";
+    report.provenance.crs = crs_beside(fs::exists(model) ? model : input);
+    write_file(folder / "report.json", report_json(report));
   }
 
   fs::path prepare_folder(const Session& session) const {

@@ -4,10 +4,13 @@
 #include "cli/igm_files.h"
 #include "cli/output_folder.h"
 #include "cli/parse.h"
+#include "cli/site_file.h"
 #include "cli/tree_files.h"
 #include "core/atomic_file.h"
 #include "core/errors.h"
+#include "core/mesh.h"
 #include "forward/igm/grow.h"
+#include "io/json_text.h"
 #include "io/metrics_json.h"
 #include "io/read_tree.h"
 #include "io/write_tree.h"
@@ -33,7 +36,11 @@ class Grow : public Command {
                        false);
     options.path("--output", output_, "Folder for the results", "-o");
     options.flag("--list", list_, "List the presets and stop");
-    options.texts("--set", settings_, "KEY=VALUE", "Change a parameter; may be given several times");
+    options.flag(
+        "--keys", keys_,
+        "List the parameters (of PARAMS, else the defaults) with unit, bounds and meaning, and stop");
+    options.texts("--set", settings_, "KEY=VALUE",
+                  "Change a parameter (--keys lists them); may be given several times");
     options.integer("--cycles", cycles_, "Growth cycles (default: the parameters' own)");
     options.flag("--until-stop", until_stop_, "Grow until nothing sprouts any more");
     options.path("--from", from_, "Go on from this tree (qsm.csv or any QSM format)");
@@ -48,20 +55,34 @@ class Grow : public Command {
 
   int run(Session& session) override {
     if (list_) return list_presets(session);
+    if (keys_) return list_keys(session);
     if (parameters_.empty())
       throw UsageError("grow: no parameter file or preset given; dendrofit grow --list names the presets");
     check_mesh_formats(meshes_);
-    const IgmParameters parameters = resolve();
-    const IgmSite site = resolve_site(parameters);
+    if (from_cycle_ && from_.empty())
+      throw UsageError("--from-cycle: the cycle of a tree to go on from; give the tree with --from");
+    IgmSetup setup = resolve();
+    const SiteFile site = resolve_site(setup);
+    for (std::size_t i = 0; i < site.mesh_files.size(); ++i)
+      if (!is_closed(site.site.solids.meshes[i]))
+        session.warn(site.mesh_files[i].string() +
+                     ": not a closed surface, so only the surface itself stops wood and light");
     const fs::path folder = prepare_output_folder(output_, session.common());
 
-    const IgmGrowth growth = grow_igm(parameters, site, resolve_options(session, folder), session.progress());
+    const IgmGrowth growth =
+        grow_igm(setup.parameters, site.site, resolve_options(session, folder), session.progress());
     const TreeMetrics metrics = measure(growth.tree);
-    const std::vector<TreeMetrics> each = measure_each(growth, site);
-    write_tree_files(folder, growth.tree, metrics, meshes_, each);
+    const std::vector<TreeMetrics> each = measure_each(growth, site.site);
+    // A tree that goes on stands where it stood.
+    const std::string crs = from_.empty() ? std::string() : crs_beside(from_);
+    write_tree_files(folder, growth.tree, metrics, meshes_, {.trees = each, .crs = crs});
     write_file(folder / "growth.csv", growth_series_csv(growth.series));
-    write_file(folder / "params.toml", igm_parameters_toml(parameters, {}));
-    write_file(folder / "run.toml", run_record(session, inputs()));
+    write_file(folder / "run.toml", run_record(session, inputs(setup, site)));
+    if (!setup.site.empty()) {  // as it was used, so that params.toml alone grows the same
+      write_file(folder / "site.toml", site_toml(site, folder));
+      setup.site = "site.toml";
+    }
+    write_file(folder / "params.toml", igm_setup_toml(setup, {}));
     report(session, growth, metrics, each, folder);
     return 0;
   }
@@ -73,38 +94,59 @@ class Grow : public Command {
       names.push_back({{"name", preset.name}, {"summary", preset.summary}});
       session.say(fmt::format("{:<12}{}", preset.name, preset.summary));
     }
-    session.json(nlohmann::ordered_json{{"presets", names}}.dump(2));
+    session.json(json_text({{"presets", names}}));
     return 0;
   }
 
-  IgmParameters resolve() const {
-    IgmParameters parameters = load_igm_parameters(parameters_.string());
-    apply_settings(parameters, settings_);
-    if (cycles_) parameters.set("cycles", *cycles_, "--cycles");
-    parameters.validate();
-    return parameters;
+  int list_keys(const Session& session) const {
+    const IgmSetup setup = resolve();
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    session.say("equation = " + setup.parameters.equation);
+    for (const ParameterSpec& spec : igm_parameter_table(setup.parameters.equation)) {
+      const double value = setup.parameters.get(spec.key);
+      const std::string unit = spec.unit.empty() ? "" : " " + std::string(spec.unit);
+      rows.push_back({{"key", spec.key},
+                      {"value", value},
+                      {"unit", spec.unit},
+                      {"lo", spec.lo},
+                      {"hi", spec.hi},
+                      {"meaning", spec.meaning},
+                      {"source", spec.source}});
+      session.say(fmt::format("{:<20}{:<20}{:<26}{} [{}]", spec.key, fmt::format("{}{}", value, unit),
+                              fmt::format("{} to {}", spec.lo, spec.hi), spec.meaning, spec.source));
+    }
+    session.json(
+        nlohmann::ordered_json{{"equation", setup.parameters.equation}, {"parameters", rows}}.dump(2));
+    return 0;
   }
 
-  IgmSite resolve_site(const IgmParameters& parameters) const {
-    IgmSite site;
-    if (!site_.empty()) {
-      site = load_site(site_, parameters);
-      for (IgmTreeSite& tree : site.trees)
+  IgmSetup resolve() const {
+    IgmSetup setup = parameters_.empty() ? IgmSetup{} : load_igm_setup(parameters_.string());
+    apply_settings(setup, settings_);
+    if (cycles_) setup.parameters.set("cycles", *cycles_, "--cycles");
+    setup.parameters.validate();
+    if (!site_.empty()) setup.site = site_;
+    if (!from_.empty()) setup.roots = 1;  // its own stems
+    return setup;
+  }
+
+  SiteFile resolve_site(const IgmSetup& setup) const {
+    SiteFile site;
+    if (!setup.site.empty()) {
+      site = load_site(setup.site, setup.parameters);
+      for (IgmTreeSite& tree : site.site.trees)
         if (cycles_ && tree.parameters) tree.parameters->set("cycles", *cycles_, "--cycles");
-      return site;
     }
-    const auto presets = igm_presets();
-    const auto preset = std::find_if(presets.begin(), presets.end(),
-                                     [&](const IgmPreset& p) { return p.name == parameters_.string(); });
-    if (preset == presets.end() || preset->roots == 1 || !from_.empty()) return site;
-    // A shrub: its stems stand in a ring, two internodes from one another.
-    IgmTreeSite shrub;
-    const double radius = parameters.rho_m * preset->roots / std::numbers::pi;
-    for (int i = 0; i < preset->roots; ++i) {
-      const double angle = 2 * std::numbers::pi * i / preset->roots;
-      shrub.roots.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0.0);
+    if (site.site.trees.empty() && setup.roots > 1) {
+      // A shrub: its stems stand in a ring, two internodes from one another.
+      IgmTreeSite shrub;
+      const double radius = setup.parameters.rho_m * setup.roots / std::numbers::pi;
+      for (int i = 0; i < setup.roots; ++i) {
+        const double angle = 2 * std::numbers::pi * i / setup.roots;
+        shrub.roots.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0.0);
+      }
+      site.site.trees.push_back(shrub);
     }
-    site.trees.push_back(shrub);
     return site;
   }
 
@@ -123,10 +165,11 @@ class Grow : public Command {
     return options;
   }
 
-  std::vector<fs::path> inputs() const {
+  std::vector<fs::path> inputs(const IgmSetup& setup, const SiteFile& site) const {
     std::vector<fs::path> files;
-    for (const fs::path& file : {parameters_, from_, site_})
+    for (const fs::path& file : {parameters_, from_, setup.site})
       if (!file.empty() && fs::is_regular_file(file)) files.push_back(file);
+    files.insert(files.end(), site.mesh_files.begin(), site.mesh_files.end());
     return files;
   }
 
@@ -143,13 +186,11 @@ class Grow : public Command {
 
   static void report(const Session& session, const IgmGrowth& growth, const TreeMetrics& metrics,
                      std::span<const TreeMetrics> trees, const fs::path& folder) {
-    session.json(
-        nlohmann::ordered_json{{"output", folder.string()},
-                               {"last_cycle", growth.last_cycle},
-                               {"stop_reason", growth.stop_reason},
-                               {"cylinders", growth.tree.size()},
-                               {"metrics", nlohmann::ordered_json::parse(metrics_to_json(metrics, trees))}}
-            .dump(2));
+    session.json(json_text({{"output", folder.string()},
+                            {"last_cycle", growth.last_cycle},
+                            {"stop_reason", growth.stop_reason},
+                            {"cylinders", growth.tree.size()},
+                            {"metrics", nlohmann::ordered_json::parse(metrics_to_json(metrics, trees))}}));
     const int first = growth.series.empty() ? 0 : growth.series.front().cycle;
     if (first > 0 && growth.last_cycle <= first)
       session.warn(
@@ -168,7 +209,7 @@ class Grow : public Command {
   fs::path parameters_, output_, from_, site_;
   std::vector<std::string> settings_, meshes_;
   std::optional<int> cycles_, from_cycle_;
-  bool list_ = false, until_stop_ = false, frames_ = false;
+  bool list_ = false, keys_ = false, until_stop_ = false, frames_ = false;
 };
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "fit/growth_allometry.h"
 #include "fit/growth_report.h"
 #include "fit/growth_units.h"
+#include "io/json_text.h"
 #include "io/metrics_json.h"
 #include "io/read_table.h"
 #include "io/read_tree.h"
@@ -81,7 +82,7 @@ class Growth : public Command {
                               (report.series.size() > 1 ? " (and no other series has an answer)" : "");
       auto json = nlohmann::ordered_json::parse(growth_report_json(report));
       json.update(nlohmann::ordered_json::parse(error_json(4, why)));
-      session.json(json.dump(2));
+      session.json(json_text(json));
       throw SolverError(why);
     }
     if (!params_out_.empty()) write_file(params_out_, params_of(report, options));

@@ -3,6 +3,7 @@
 #include "cli/commands.h"
 #include "core/metrics.h"
 #include "io/file_info.h"
+#include "io/json_text.h"
 #include "io/metrics_json.h"
 
 #include <algorithm>
@@ -57,7 +58,7 @@ class Info : public Command {
 
   int run(Session& session) override {
     const FileInfo info = describe_file(file_, session.progress());
-    session.json(to_json(file_, info).dump(2, ' ', false, Json::error_handler_t::replace));
+    session.json(json_text(to_json(file_, info)));
     session.say(fmt::format("{}: {} ({}), {} bytes", file_.string(), info.kind, info.format, info.bytes));
     if (info.cloud) session.say(fmt::format("  points      {}", info.cloud->size()));
     if (info.kind == "mesh") session.say(fmt::format("  triangles   {}", info.rows));

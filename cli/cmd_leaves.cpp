@@ -8,6 +8,7 @@
 #include "cli/tree_files.h"
 #include "core/atomic_file.h"
 #include "io/export_canopy.h"
+#include "io/metrics_json.h"
 #include "io/read_cloud.h"
 #include "io/read_tree.h"
 #include "io/write_tree.h"
@@ -48,7 +49,7 @@ class Leaves : public Command {
     const auto folder = prepare_output_folder(output_, session.common());
     const LeafResult result = insert_leaves(tree, options, session.progress());
 
-    const std::string json = leaves_json(result);
+    const std::string json = leaves_json(result, crs_beside(tree_));
     write_leaf_files(folder, result.foliage, json,
                      meshes_.empty() ? std::vector<std::string>{"obj", "glb"} : meshes_);
     write_qsm_csv(folder / "qsm.csv", tree);  // what leaves.csv calls cylinders

@@ -7,6 +7,7 @@
 #include "cli/tree_files.h"
 #include "cli/views_output.h"
 #include "core/atomic_file.h"
+#include "io/json_text.h"
 #include "io/metrics_json.h"
 
 #include <nlohmann/json.hpp>
@@ -38,14 +39,14 @@ class Reconstruct : public Command {
     const PointCloud scan = settings_.read_scan(session, scan_, session.progress());
     const auto folder = prepare_output_folder(output_, session.common());
     const Reconstruction result = reconstruct(scan, options, session.progress());
-    write_reconstruction(folder, result, meshes_);
+    write_reconstruction(folder, result, meshes_, scan.crs_wkt);
     write_file(folder / "run.toml", run_record(session, {scan_}));
 
     auto json = nlohmann::ordered_json::parse(reconstruction_json(result));
     json["output"] = folder.string();
     json["cylinders"] = result.tree.size();
-    json["metrics"] = nlohmann::ordered_json::parse(metrics_to_json(result.metrics));
-    session.json(json.dump(2));
+    json["metrics"] = nlohmann::ordered_json::parse(metrics_to_json(result.metrics, {}, scan.crs_wkt));
+    session.json(json_text(json));
     say_reconstruction(session, result);
     session.say("Written to " + folder.string() + ": qsm.csv, metrics.json, reconstruction.json" +
                 (result.leaf_points.empty() ? "" : ", leaf_points.ply"));
@@ -72,7 +73,7 @@ class Reconstruct : public Command {
     json["output"] = folder.string();
     json["cylinders"] = result.tree.size();
     json["metrics"] = nlohmann::ordered_json::parse(photo_metrics_json(result));
-    session.json(json.dump(2));
+    session.json(json_text(json));
     say_photo_reconstruction(session, result);
     session.say("Written to " + folder.string() + ": " + (result.has_tree ? "qsm.csv, skeleton.csv, " : "") +
                 "metrics.json, reconstruction.json, overlay.png");
@@ -91,7 +92,7 @@ class Reconstruct : public Command {
     json["cylinders"] = result.model.tree.size();
     json["metrics"] = nlohmann::ordered_json::parse(metrics_to_json(result.model.metrics));
     json["views"] = nlohmann::ordered_json::parse(views_json(result));
-    session.json(json.dump(2));
+    session.json(json_text(json));
     say_views_reconstruction(session, result);
     session.say("Written to " + folder.string() +
                 ": qsm.csv, metrics.json, reconstruction.json, views.json, surface.ply, overlays/");

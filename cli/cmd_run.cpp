@@ -16,6 +16,7 @@
 #include "fit/direct_estimates.h"
 #include "fit/tree_simulator.h"
 #include "forward/leaves/measured_profile.h"
+#include "io/json_text.h"
 #include "io/metrics_json.h"
 #include "io/write_mesh.h"
 
@@ -65,7 +66,8 @@ class Run : public Command {
     const IgmGrowth regrown = regrow_where_it_stands(model, fit, session);
     const TreeMetrics regrown_metrics = measure(regrown.tree);
     fs::create_directories(folder / "regrown");
-    write_tree_files(folder / "regrown", regrown.tree, regrown_metrics, {"glb"});
+    write_tree_files(folder / "regrown", regrown.tree, regrown_metrics, {"glb"},
+                     {.crs = observed.scan.crs_wkt});
     write_file(folder / "growth.csv", growth_series_csv(regrown.series));
     session.say("Regrown tree");
     say_metrics(session, regrown.tree, regrown_metrics);
@@ -104,14 +106,13 @@ class Run : public Command {
   static void say_all(const Session& session, const fs::path& folder, const Reconstruction& model,
                       const TreeFit& fit, const TreeMetrics& regrown, const LeafResult& leaves) {
     using Json = nlohmann::ordered_json;
-    session.json(Json{{"output", folder.string()},
-                      {"report", (folder / "report.html").string()},
-                      {"metrics", Json::parse(metrics_to_json(model.metrics))},
-                      {"reconstruction", Json::parse(reconstruction_json(model))},
-                      {"fit", Json::parse(fit_json(fit))},
-                      {"regrown", Json::parse(metrics_to_json(regrown))},
-                      {"leaves", Json::parse(leaves_json(leaves))}}
-                     .dump(2));
+    session.json(json_text({{"output", folder.string()},
+                            {"report", (folder / "report.html").string()},
+                            {"metrics", Json::parse(metrics_to_json(model.metrics))},
+                            {"reconstruction", Json::parse(reconstruction_json(model))},
+                            {"fit", Json::parse(fit_json(fit))},
+                            {"regrown", Json::parse(metrics_to_json(regrown))},
+                            {"leaves", Json::parse(leaves_json(leaves))}}));
     session.say("Written to " + folder.string() + "; look at " + (folder / "report.html").string());
   }
 

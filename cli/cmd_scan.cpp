@@ -7,6 +7,7 @@
 #include "core/atomic_file.h"
 #include "core/errors.h"
 #include "forward/virtual_scan/virtual_scan.h"
+#include "io/json_text.h"
 #include "io/metrics_json.h"
 #include "io/read_tree.h"
 #include "io/write_cloud.h"
@@ -29,7 +30,7 @@ class Scan : public Command {
     options.integer("--stations", scan_.stations, "Scanner stations, evenly around the tree");
     options.number("--distance", scan_.distance_m, Quantity::length, "From the tree's foot to each station");
     options.number("--instrument-height", scan_.instrument_height_m, Quantity::length,
-                   "Of the scanner above the foot");
+                   "Of the scanner above the ground it stands on");
     options.number("--azimuth", scan_.first_azimuth_deg, Quantity::angle, "Of the first station");
     options.number("--step", scan_.step_deg, Quantity::angle, "Between neighbouring beams, both ways");
     options.number("--divergence", scan_.divergence_mrad, Quantity::pure,
@@ -44,7 +45,10 @@ class Scan : public Command {
     options.integer("--returns", scan_.max_returns, "Returns of one beam, at most");
     options.number("--max-range", scan_.max_range_m, Quantity::length, "Nothing farther is seen");
     options.number("--ground", ground_m_, Quantity::length,
-                   "Radius of flat ground about the foot (0: no ground)");
+                   "Radius of the ground about the foot (0: no ground)");
+    options.number("--ground-slope", scan_.ground_slope_deg, Quantity::angle,
+                   "Of the ground, rising towards +x");
+    options.number("--grass-height", scan_.grass_height_m, Quantity::length, "Height of grass on the ground");
     options.flag("--leaf-on", leaf_on_, "Put leaves on the tree first (see the options on leaves)");
     options.flag("--hits", hits_,
                  "Also write which cylinder, leaf and station each point is from (_hits.csv)");
@@ -56,8 +60,16 @@ class Scan : public Command {
     ScanOptions options = scan_;
     options.seed = session.common().seed;
     options.threads = session.common().threads;
+    if (!(ground_m_ >= 0)) throw InputError(fmt::format("--ground {}m: must not be negative", ground_m_));
+    if (ground_m_ == 0 && (options.ground_slope_deg != 0 || options.grass_height_m > 0))
+      throw UsageError("--ground-slope, --grass-height: there is no ground (--ground 0m)");
     options.ground_radius_m = ground_m_ > 0 ? std::optional<double>(ground_m_) : std::nullopt;
     options.validate();
+    const bool leaves_described = leaves_.area_m2 || leaves_.lai || leaves_.count || leaves_.length_m ||
+                                  !leaves_.blade.empty() || !leaves_.inclination.empty() ||
+                                  !leaves_.profile.empty() || leaves_.species != LeafSettings{}.species;
+    if (!leaf_on_ && leaves_described)
+      throw UsageError("options on leaves without leaves: put them on the tree with --leaf-on");
     const LeafOptions leaf_options = leaves_.resolve(session.common());
     check_cloud_format(output_);
     prepare_output_file(output_, session.common());
@@ -67,11 +79,11 @@ class Scan : public Command {
       leaves = insert_leaves(tree, leaf_options, session.progress());
       say_leaves(session, leaves);
     }
-    const VirtualScan scan =
-        scan_tree(tree, leaf_on_ ? &leaves.foliage : nullptr, options, session.progress());
+    VirtualScan scan = scan_tree(tree, leaf_on_ ? &leaves.foliage : nullptr, options, session.progress());
     if (scan.cloud.empty())
       throw SolverError(
           "no beam hit anything: the tree stands beyond --max-range, or --step is too coarse for it");
+    scan.cloud.crs_wkt = crs_beside(tree_);
     write_point_cloud(output_, scan.cloud);
     write_qsm_csv(beside("_truth.csv"), tree);
     write_truth(scan, tree);
@@ -79,11 +91,11 @@ class Scan : public Command {
     if (hits_) write_hits(scan);
     write_file(beside("_run.toml"), run_record(session, {tree_}));
 
-    session.json(nlohmann::ordered_json{
-        {"output", output_.string()}, {"points", scan.cloud.size()}, {"stations", scan.positions.size()}}
-                     .dump(2));
-    session.say(fmt::format("{} points from {} stations: {}; truth in {} and {}", scan.cloud.size(),
-                            scan.positions.size(), output_.string(), beside("_truth.csv").filename().string(),
+    session.json(json_text(
+        {{"output", output_.string()}, {"points", scan.cloud.size()}, {"stations", scan.positions.size()}}));
+    session.say(fmt::format("{} points from {} station{}: {}; truth in {} and {}", scan.cloud.size(),
+                            scan.positions.size(), scan.positions.size() == 1 ? "" : "s", output_.string(),
+                            beside("_truth.csv").filename().string(),
                             beside("_truth.json").filename().string()));
     return 0;
   }
@@ -99,7 +111,7 @@ class Scan : public Command {
     for (const Vec3& p : scan.positions) stations.push_back({p.x(), p.y(), p.z()});
     json["stations_local"] = stations;
     json["points"] = scan.cloud.size();
-    write_file(beside("_truth.json"), json.dump(2) + "\n");
+    write_file(beside("_truth.json"), json_text(json) + "\n");
   }
 
   void write_hits(const VirtualScan& scan) const {

@@ -7,6 +7,8 @@
 #include "cli/report/render.h"
 #include "cli/report/report.h"
 #include "cli/result_folder.h"
+#include "cli/site_file.h"
+#include "cli/surroundings.h"
 #include "cli/version.h"
 #include "core/atomic_file.h"
 #include "core/errors.h"
@@ -63,6 +65,8 @@ class View : public Command {
     options.path("--html", html_,
                  "A page to look at it in three dimensions, with a growth slider where it was grown");
     options.path("--scan", scan_, "Point cloud to show beside a folder's trees");
+    options.path("--site", site_,
+                 "Site file whose obstacles to show, seen through (of a folder of grow its own)");
     options.number("--azimuth", azimuth_, Quantity::angle,
                    "Look north from the south (0), west from the east (90), ...");
     options.number("--elevation", elevation_, Quantity::angle, "Level (0) to straight down (90)");
@@ -93,6 +97,7 @@ class View : public Command {
       throw IoError(fmt::format(
           "{}: nothing to show; expected a folder with qsm.csv, regrown/qsm.csv, leaves.glb or leaves.obj",
           what_.string()));
+    add_surroundings();
     const Image image =
         render(std::vector<Panel>(panels_.begin(), panels_.end()), options, session.progress());
     if (!png_.empty()) {
@@ -132,8 +137,23 @@ class View : public Command {
     return options;
   }
 
+  void add_surroundings() {
+    const fs::path own = fs::is_directory(what_) ? what_ / "site.toml" : fs::path();
+    const fs::path file = !site_.empty() ? site_ : fs::exists(own) ? own : fs::path();
+    if (file.empty()) return;
+    const IgmSite site = load_site(file, {}).site;
+    for (Panel& panel : panels_) {
+      if (!panel.tree) continue;
+      Bounds shown;
+      for (const auto* ends : {&panel.tree->start, &panel.tree->end})
+        for (const Vec3& end : *ends) shown.add(end + panel.tree->origin_shift);
+      surroundings_.push_back(surroundings_of(site, shown));
+      panel.surroundings = &surroundings_.back();
+    }
+  }
+
   void write_page(Session& session, const Image& image) const {
-    ReportData data;
+    ReportData data = folder_.report;
     const fs::path named = what_.has_filename() ? what_ : what_.parent_path();
     data.title = fs::is_directory(what_) ? named.filename().string() : named.stem().string();
     if (!clouds_.empty()) data.scan = &clouds_.front();
@@ -144,11 +164,13 @@ class View : public Command {
     data.leaves_on_model = folder_.bearer() == data.model;
     data.model_metrics = pointer(folder_.model_metrics);
     data.regrown_metrics = pointer(folder_.regrown_metrics);
-    data.curves = folder_.curves;
     data.side_by_side_png = encode_png(image);
-    data.provenance.version = version();
-    data.provenance.command_line = fmt::format("dendrofit view {}", named.filename().string());
-    data.provenance.input_name = named.filename().string();
+    data.overlay_png = folder_.overlay_png;
+    if (data.provenance.version.empty()) {  // else the run that made the folder says how
+      data.provenance.version = version();
+      data.provenance.command_line = fmt::format("dendrofit view {}", named.filename().string());
+      data.provenance.input_name = named.filename().string();
+    }
     write_file(html_, make_report(data, {}, session.progress()));
   }
 
@@ -203,7 +225,7 @@ class View : public Command {
     }
   }
 
-  fs::path what_, png_, html_, scan_;
+  fs::path what_, png_, html_, scan_, site_;
   double azimuth_ = 0;
   double elevation_ = 0;
   std::optional<double> perspective_;
@@ -213,7 +235,8 @@ class View : public Command {
   int width_ = RenderOptions{}.panel_width_px;
   int height_ = RenderOptions{}.height_px;
   ResultFolder folder_;
-  std::deque<PointCloud> clouds_;  // a deque: panels point at its elements
+  std::deque<PointCloud> clouds_;  // deques: panels point at their elements
+  std::deque<TriangleMesh> surroundings_;
   std::deque<Panel> panels_;
 };
 

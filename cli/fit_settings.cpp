@@ -5,6 +5,7 @@
 #include "cli/igm_files.h"
 #include "cli/parse.h"
 #include "core/atomic_file.h"
+#include "io/json_text.h"
 #include "io/read_table.h"
 
 #include <algorithm>
@@ -96,7 +97,7 @@ Json parameters_json(const std::vector<FittedParameter>& list) {
 std::string trees_fit_json(const TreesFit& fit) {
   Json trees = Json::array();
   for (const TreeFit& tree : fit.trees) trees.push_back(Json::parse(fit_json(tree)));
-  return Json{{"shared", parameters_json(fit.shared)}, {"trees", trees}}.dump(2) + "\n";
+  return json_text({{"shared", parameters_json(fit.shared)}, {"trees", trees}}) + "\n";
 }
 
 std::string fit_json(const TreeFit& fit) {
@@ -177,7 +178,7 @@ std::string fit_json(const TreeFit& fit) {
                      {"converged", fit.converged},
                      {"stop_reason", fit.stop_reason},
                      {"warnings", fit.warnings}};
-  return json.dump(2) + "\n";
+  return json_text(json) + "\n";
 }
 
 void write_fit(const std::filesystem::path& folder, const TreeFit& fit) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/growth_output.h"
 
+#include "io/json_text.h"
+
 #include <cmath>
 #include <cstdio>
 #include <sstream>
@@ -157,7 +159,7 @@ std::string growth_report_json(const GrowthReport& report) {
   json["mixed"] = nullptr;
   for (const GrowthMixed& mixed : report.mixed) json["mixed"][mixed.equation] = mixed_json(mixed);
   json["warnings"] = report.warnings;
-  return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+  return json_text(json) + "\n";
 }
 
 std::string growth_curves_csv(const GrowthReport& report) {

@@ -2,46 +2,66 @@
 #include "cli/igm_files.h"
 
 #include "core/errors.h"
-#include "io/read_mesh.h"
-#include "io/toml.h"
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
-#include <map>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 namespace dendrofit::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string place(const fs::path& file, const TomlEntry& entry) {
-  return fmt::format("{}, line {}", file.string(), entry.line);
-}
+constexpr int kMostRoots = 1000;
 
 double number_or_truth(const TomlEntry& entry, const std::string& file) {
-  return std::holds_alternative<bool>(entry.value) ? double(std::get<bool>(entry.value))
-                                                   : toml_number(entry, file);
+  return std::holds_alternative<bool>(entry.value) && IgmParameters::is_switch(entry.key)
+             ? double(std::get<bool>(entry.value))
+             : toml_number(entry, file);
 }
 
-/// Sets what `entries` say on `parameters`; the equation first, since its own parameters depend on it.
-void apply_entries(IgmParameters& parameters, const std::vector<TomlEntry>& entries, const fs::path& file) {
-  for (const TomlEntry& entry : entries)
-    if (entry.key == "equation") parameters.set_equation(toml_text(entry, file.string()), place(file, entry));
-  for (const TomlEntry& entry : entries) {
-    if (entry.key == "equation" || entry.key == "preset") continue;
-    parameters.set(entry.key, number_or_truth(entry, file.string()), place(file, entry));
+int number_of_roots(double value, const std::string& where) {
+  if (!(value >= 1 && value <= kMostRoots) || value != static_cast<int>(value))
+    throw InputError(
+        fmt::format("{}: roots = {}: must be a whole number between 1 and {}", where, value, kMostRoots));
+  return static_cast<int>(value);
+}
+
+const IgmPreset& preset_of(const TomlEntry& entry, const fs::path& file) {
+  try {
+    return igm_preset(toml_text(entry, file.string()));
+  } catch (const InputError& error) {
+    throw InputError(toml_place(file, entry) + ": " + error.what());
   }
 }
 
-IgmParameters from_entries(const std::vector<TomlEntry>& entries, const fs::path& file,
-                           IgmParameters parameters) {
+[[noreturn]] void refuse_table(const TomlEntry& entry, const fs::path& file) {
+  const std::string table = entry.key.substr(0, entry.key.find('.'));
+  const bool of_a_site = table == "tree" || table == "box" || table == "halfspace" || table == "mesh";
+  throw InputError(
+      fmt::format("{}: '{}' is in a table; a parameter file has none: {}", toml_place(file, entry), entry.key,
+                  of_a_site ? "trees and obstacles belong in a file of their own, given with --site"
+                            : "write the key by itself"));
+}
+
+}  // namespace
+
+std::string toml_place(const fs::path& file, const TomlEntry& entry) {
+  return fmt::format("{}, line {}", file.string(), entry.line);
+}
+
+IgmParameters igm_parameters_from(const std::vector<TomlEntry>& entries, const fs::path& file,
+                                  IgmParameters parameters) {
+  // What they start from first, then the equation, since its own parameters depend on it.
   for (const TomlEntry& entry : entries)
-    if (entry.key == "preset") parameters = igm_preset(toml_text(entry, file.string())).parameters;
-  apply_entries(parameters, entries, file);
+    if (entry.key == "preset") parameters = preset_of(entry, file).parameters;
+  for (const TomlEntry& entry : entries)
+    if (entry.key == "equation")
+      parameters.set_equation(toml_text(entry, file.string()), toml_place(file, entry));
+  for (const TomlEntry& entry : entries)
+    if (entry.key != "equation" && entry.key != "preset")
+      parameters.set(entry.key, number_or_truth(entry, file.string()), toml_place(file, entry));
   try {
     parameters.validate();
   } catch (const InputError& error) {
@@ -50,100 +70,34 @@ IgmParameters from_entries(const std::vector<TomlEntry>& entries, const fs::path
   return parameters;
 }
 
-Vec3 triple(const TomlEntry& entry, const fs::path& file) {
-  const auto v = toml_numbers(entry, file.string());
-  if (v.size() != 3)
-    throw InputError(
-        fmt::format("{}: {} has {} numbers; expected x, y, z", place(file, entry), entry.key, v.size()));
-  return {v[0], v[1], v[2]};
-}
-
-/// Entries of one [[name]] block, keys without the block's prefix.
-using Blocks = std::map<std::pair<std::string, int>, std::vector<TomlEntry>>;
-
-Blocks blocks_of(const fs::path& file) {
-  Blocks blocks;
-  for (TomlEntry& entry : read_toml(file)) {
-    const auto first = entry.key.find('.');
-    const auto second = first == std::string::npos ? first : entry.key.find('.', first + 1);
-    const std::string name = entry.key.substr(0, first);
-    if (second == std::string::npos ||
-        (name != "tree" && name != "box" && name != "halfspace" && name != "mesh"))
-      throw InputError(fmt::format("{}: '{}' is not part of a [[tree]], [[box]], [[halfspace]] or [[mesh]]",
-                                   place(file, entry), entry.key));
-    const int index = std::stoi(entry.key.substr(first + 1, second - first - 1));
-    entry.key = entry.key.substr(second + 1);
-    blocks[{name, index}].push_back(std::move(entry));
-  }
-  return blocks;
-}
-
-[[noreturn]] void unknown_key(const fs::path& file, const TomlEntry& entry, const std::string& block,
-                              const std::string& known) {
-  throw InputError(
-      fmt::format("{}: [[{}]] has no key '{}'; expected {}", place(file, entry), block, entry.key, known));
-}
-
-/// One block of a site file, all of whose keys are needed.
-struct Block {
-  const fs::path& file;
-  const std::string& name;
-  const std::vector<TomlEntry>& entries;
-
-  void expect(const std::vector<std::string>& keys) const {
-    const std::string known = fmt::format("{}", fmt::join(keys, ", "));
-    for (const TomlEntry& entry : entries)
-      if (std::find(keys.begin(), keys.end(), entry.key) == keys.end()) unknown_key(file, entry, name, known);
-    for (const std::string& key : keys)
-      if (!find(key))
-        throw InputError(fmt::format("{}: a [[{}]] has no {}; it needs {}", file.string(), name, key, known));
-  }
-  const TomlEntry& operator[](const std::string& key) const { return *find(key); }
-
- private:
-  const TomlEntry* find(const std::string& key) const {
-    const auto found = std::find_if(entries.begin(), entries.end(),
-                                    [&](const TomlEntry& entry) { return entry.key == key; });
-    return found == entries.end() ? nullptr : &*found;
-  }
-};
-
-IgmTreeSite tree_site(const std::vector<TomlEntry>& entries, const fs::path& file,
-                      const IgmParameters& common) {
-  IgmTreeSite tree;
-  std::vector<TomlEntry> own;
-  for (const TomlEntry& entry : entries) {
-    if (entry.key == "root") {
-      const auto v = toml_numbers(entry, file.string());
-      if (v.empty() || v.size() % 3 != 0)
-        throw InputError(fmt::format("{}: root has {} numbers; expected x, y, z for each stem",
-                                     place(file, entry), v.size()));
-      for (std::size_t i = 0; i < v.size(); i += 3) tree.roots.emplace_back(v[i], v[i + 1], v[i + 2]);
-    } else if (entry.key == "parameters") {
-      const std::string name = toml_text(entry, file.string());
-      const fs::path beside = file.parent_path() / name;
-      tree.parameters = load_igm_parameters(fs::exists(beside) ? beside.string() : name);
-    } else if (entry.key.starts_with("parameters.")) {
-      own.push_back(entry);
-      own.back().key.erase(0, std::string_view("parameters.").size());
-    } else {
-      unknown_key(file, entry, "tree", "root, parameters");
-    }
-  }
-  if (tree.roots.empty()) throw InputError(file.string() + ": a [[tree]] has no root = [x, y, z]");
-  if (!own.empty()) tree.parameters = from_entries(own, file, common);
-  return tree;
-}
-
-}  // namespace
-
-IgmParameters load_igm_parameters(const std::string& preset_or_file) {
+IgmSetup load_igm_setup(const std::string& preset_or_file) {
   const fs::path file = preset_or_file;
-  if (file.extension() != ".toml" && !fs::is_regular_file(file)) return igm_preset(preset_or_file).parameters;
-  return from_entries(read_toml(file), file, IgmParameters{});
+  if (file.extension() != ".toml" && !fs::is_regular_file(file)) {
+    const IgmPreset& preset = igm_preset(preset_or_file);
+    return {preset.parameters, preset.roots, {}};
+  }
+  IgmSetup setup;
+  std::vector<TomlEntry> entries = read_toml_without_empty_tables(file);
+  for (const TomlEntry& entry : entries) {
+    if (entry.key.find('.') != std::string::npos) refuse_table(entry, file);
+    if (entry.key == "preset") setup.roots = preset_of(entry, file).roots;
+  }
+  std::erase_if(entries, [&](const TomlEntry& entry) {
+    if (entry.key == "roots") {
+      setup.roots = number_of_roots(toml_number(entry, file.string()), toml_place(file, entry));
+    } else if (entry.key == "site") {
+      const fs::path site = toml_text(entry, file.string());
+      setup.site = site.is_absolute() ? site : file.parent_path() / site;
+    } else {
+      return false;
+    }
+    return true;
+  });
+  setup.parameters = igm_parameters_from(entries, file, setup.parameters);
+  return setup;
 }
 
-void apply_settings(IgmParameters& parameters, const std::vector<std::string>& settings) {
+void apply_settings(IgmSetup& setup, const std::vector<std::string>& settings) {
   std::vector<TomlEntry> entries;
   for (const std::string& setting : settings) {
     const auto equals = setting.find('=');
@@ -159,22 +113,30 @@ void apply_settings(IgmParameters& parameters, const std::vector<std::string>& s
       entry.value = number;
     else
       entry.value = value;
-    entries.push_back(std::move(entry));
+    if (entry.key == "equation")
+      setup.parameters.set_equation(value, "--set");
+    else
+      entries.push_back(std::move(entry));
   }
-  for (const TomlEntry& entry : entries)
-    if (entry.key == "equation") parameters.set_equation(toml_text(entry, "--set"), "--set");
   for (const TomlEntry& entry : entries) {
-    if (entry.key == "equation") continue;
+    if (entry.key == "preset" || entry.key == "site")
+      throw InputError(fmt::format("--set {0}: a {0} is not a number to set; {1}", entry.key,
+                                   entry.key == "site" ? "give the file with --site"
+                                                       : "give its name in place of the parameter file"));
     if (std::holds_alternative<std::string>(entry.value))
       throw InputError("--set " + entry.key + ": '" + std::get<std::string>(entry.value) +
                        "' is not a number");
-    parameters.set(entry.key, number_or_truth(entry, "--set"), "--set");
+    if (std::holds_alternative<bool>(entry.value) && !IgmParameters::is_switch(entry.key))
+      throw InputError("--set " + entry.key + ": true or false found, a number expected");
+    const double value = number_or_truth(entry, "--set");
+    if (entry.key == "roots")
+      setup.roots = number_of_roots(value, "--set");
+    else
+      setup.parameters.set(entry.key, value, "--set");
   }
 }
 
-std::string igm_parameters_toml(const IgmParameters& parameters, const std::vector<std::string>& remarks) {
-  TomlWriter toml;
-  for (const std::string& remark : remarks) toml.comment(remark);
+void write_parameters(const IgmParameters& parameters, TomlWriter& toml) {
   toml.entry("equation", TomlValue(parameters.equation));
   for (const ParameterSpec& spec : igm_parameter_table(parameters.equation)) {
     const double value = parameters.get(spec.key);
@@ -182,30 +144,22 @@ std::string igm_parameters_toml(const IgmParameters& parameters, const std::vect
         spec.unit.empty() ? std::string(spec.meaning) : fmt::format("{}: {}", spec.unit, spec.meaning);
     toml.entry(spec.key, TomlValue(value), remark);
   }
+}
+
+std::string igm_setup_toml(const IgmSetup& setup, const std::vector<std::string>& remarks) {
+  TomlWriter toml;
+  for (const std::string& remark : remarks) toml.comment(remark);
+  write_parameters(setup.parameters, toml);
+  if (!setup.site.empty())
+    toml.entry("site", TomlValue(setup.site.generic_string()), "trees and obstacles, a file beside this one");
+  else if (setup.roots > 1)
+    toml.entry("roots", TomlValue(std::int64_t{setup.roots}),
+               "stems of a shrub, in a ring two internodes apart");
   return toml.text();
 }
 
-IgmSite load_site(const fs::path& file, const IgmParameters& parameters) {
-  IgmSite site;
-  for (const auto& [id, entries] : blocks_of(file)) {
-    const std::string& name = id.first;
-    const Block block{file, name, entries};
-    if (name == "tree") {
-      site.trees.push_back(tree_site(entries, file, parameters));
-    } else if (name == "box") {
-      block.expect({"min", "max"});
-      site.solids.boxes.push_back({triple(block["min"], file), triple(block["max"], file)});
-    } else if (name == "halfspace") {
-      block.expect({"point", "normal"});
-      site.solids.half_spaces.push_back({triple(block["point"], file), triple(block["normal"], file)});
-    } else {
-      block.expect({"file"});
-      const fs::path given = toml_text(block["file"], file.string());
-      site.solids.meshes.push_back(read_mesh(given.is_absolute() ? given : file.parent_path() / given));
-    }
-  }
-  site.validate();
-  return site;
+std::string igm_parameters_toml(const IgmParameters& parameters, const std::vector<std::string>& remarks) {
+  return igm_setup_toml({parameters, 1, {}}, remarks);
 }
 
 std::string growth_series_csv(const std::vector<GrowthRecord>& series) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/leaves_output.h"
 
+#include "io/json_text.h"
+
 #include <nlohmann/json.hpp>
 
 namespace dendrofit::cli {
@@ -36,7 +38,7 @@ Json bin_json(const LeafBudgetBin& bin) {
 
 }  // namespace
 
-std::string leaves_json(const LeafResult& result) {
+std::string leaves_json(const LeafResult& result, const std::string& crs) {
   const LeafReport& r = result.report;
   Json json;
   json["species"] = result.foliage.species;
@@ -74,9 +76,10 @@ std::string leaves_json(const LeafResult& result) {
                   {"leaf_pair_tests", r.leaf_pair_tests},
                   {"wood_tests", r.wood_tests},
                   {"rounds", r.rounds}};
+  if (!crs.empty()) json["crs"] = crs;
   json["seconds"] = r.seconds;
   json["warnings"] = r.warnings;
-  return json.dump(2) + "\n";
+  return json_text(json) + "\n";
 }
 
 }  // namespace dendrofit::cli

@@ -9,7 +9,7 @@
 namespace dendrofit::cli {
 
 /// The report as a JSON object (two spaces a level). Areas one-sided, in square metres; heights above the
-/// foot.
-std::string leaves_json(const LeafResult& result);
+/// foot. `crs`: the coordinate system of the leaves' positions, under that key (empty: no such key).
+std::string leaves_json(const LeafResult& result, const std::string& crs = {});
 
 }  // namespace dendrofit::cli

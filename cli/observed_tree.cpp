@@ -13,7 +13,7 @@ ObservedTree from_scan(Session& session, const std::filesystem::path& input,
   ObservedTree observed;
   observed.scan = settings.read_scan(session, input, session.progress());
   observed.model = reconstruct(observed.scan, settings.resolve(session.common()), session.progress());
-  write_reconstruction(folder, observed.model, mesh_formats);
+  write_reconstruction(folder, observed.model, mesh_formats, observed.scan.crs_wkt);
   say_reconstruction(session, observed.model);
   return observed;
 }

@@ -56,6 +56,13 @@ std::string checksum(const fs::path& file) {
   return fmt::format("{:08x}", crc);
 }
 
+bool changes_results(const OptionSpec& option) {
+  for (const char* name :
+       {"--threads", "--progress", "--quiet", "--json", "--force", "--output", "--resume", "--config"})
+    if (option.name == name) return false;
+  return !option.positional;
+}
+
 std::string run_record(const Session& session, const std::vector<fs::path>& inputs) {
   TomlWriter toml;
   toml.comment("How these results were made. The keys under [options] can be given back with --config.");
@@ -65,12 +72,7 @@ std::string run_record(const Session& session, const std::vector<fs::path>& inpu
   toml.table("options");
   for (const OptionSpec& option : session.options().all()) {
     const std::string value = option.current();
-    if (option.positional || value.empty() || option.name == "--config") continue;
-    // Threads, progress and the like do not change results, and results must not depend on them.
-    if (option.name == "--threads" || option.name == "--progress" || option.name == "--quiet" ||
-        option.name == "--json" || option.name == "--force" || option.name == "--output" ||
-        option.name == "--resume")
-      continue;
+    if (value.empty() || !changes_results(option)) continue;
     if (option.current_list)
       toml.entry(option.name.substr(2), TomlValue(option.current_list()));
     else

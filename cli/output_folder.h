@@ -20,8 +20,12 @@ std::filesystem::path prepare_output_folder(const std::filesystem::path& folder,
 /// The same for a single output file: its folder must exist, the file must not (without --force).
 void prepare_output_file(const std::filesystem::path& file, const CommonOptions& common);
 
-/// Content of run.toml: version, command, seed, every resolved option, and each input with its size and
-/// CRC-32.
+/// Whether the option can change results: not --threads, --progress, --output and the like, which records
+/// leave out.
+bool changes_results(const OptionSpec& option);
+
+/// Content of run.toml: version, command, seed, every resolved option that changes results, and each input
+/// with its size and CRC-32.
 std::string run_record(const Session& session, const std::vector<std::filesystem::path>& inputs);
 
 /// CRC-32 (as zip, gzip and `crc32` print it) of a file's content, eight hexadecimal digits.

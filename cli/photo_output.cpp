@@ -4,6 +4,7 @@
 #include "cli/report/overlay.h"
 #include "cli/tree_files.h"
 #include "core/atomic_file.h"
+#include "io/json_text.h"
 #include "io/metrics_json.h"
 
 #include <cmath>
@@ -36,14 +37,14 @@ std::string photo_metrics_json(const PhotoReconstruction& result) {
   json["silhouette_area_m2"] = result.outline.area;
   json["lean_in_view_deg"] = result.outline.lean_deg;
   // What the picture does not show is no number.
-  std::vector<std::string> untold = {"crown_area_m2", "crown_volume_m3", "wood_share"};
+  std::vector<std::string> untold = {"crown_area_m2", "crown_volume_m3", "wood_share", "lean_azimuth_deg"};
   if (!result.has_tree)
     for (const auto& [key, value] : json.items())
       if (key != "height_m" && key != "crown_diameter_m" && key != "unit" && key != "silhouette_area_m2" &&
           key != "dbh_height_m" && key != "intervals")
         untold.push_back(key);
   for (const std::string& key : untold) json[key] = nullptr;
-  return json.dump(2) + "\n";
+  return json_text(json) + "\n";
 }
 
 std::string photo_reconstruction_json(const PhotoReconstruction& r) {
@@ -72,7 +73,7 @@ std::string photo_reconstruction_json(const PhotoReconstruction& r) {
                      {"measured", {"projection", "diameters", "angles in the picture"}},
                      {"extrapolated", {"depth", "azimuths", "lengths", "volume"}},
                      {"warnings", r.warnings}};
-  return json.dump(2) + "\n";
+  return json_text(json) + "\n";
 }
 
 std::string photo_overlay(const PhotoInput& input, const PhotoReconstruction& result) {

@@ -5,6 +5,7 @@
 #include "cli/parse.h"
 #include "cli/tree_files.h"
 #include "core/atomic_file.h"
+#include "io/json_text.h"
 #include "io/write_cloud.h"
 
 #include <fmt/format.h>
@@ -51,9 +52,6 @@ ReconstructOptions ReconstructSettings::resolve(const CommonOptions& common) con
 }
 
 std::string reconstruction_json(const Reconstruction& r) {
-  auto layers = Json::array();
-  for (const LeafLayer& layer : r.leaf_profile)
-    layers.push_back({{"from_m", layer.from_m}, {"to_m", layer.to_m}, {"points", layer.points}});
   const Json json = {{"foot", {r.foot.x(), r.foot.y(), r.foot.z()}},
                      {"ground_found", r.ground_found},
                      {"leaf_on", r.leaf_on},
@@ -69,15 +67,14 @@ std::string reconstruction_json(const Reconstruction& r) {
                        {"stray", r.stray_points},
                        {"tree", r.tree_points},
                        {"leaf", r.leaf_points.size()}}},
-                     {"leaf_profile", layers},
                      {"bridged_gaps", r.bridged_gaps},
                      {"warnings", r.warnings}};
-  return json.dump(2) + "\n";
+  return json_text(json) + "\n";
 }
 
 void write_reconstruction(const std::filesystem::path& folder, const Reconstruction& result,
-                          const std::vector<std::string>& mesh_formats) {
-  write_tree_files(folder, result.tree, result.metrics, mesh_formats);
+                          const std::vector<std::string>& mesh_formats, const std::string& crs) {
+  write_tree_files(folder, result.tree, result.metrics, mesh_formats, {.crs = crs});
   write_file(folder / "reconstruction.json", reconstruction_json(result));
   if (!result.leaf_points.empty()) write_point_cloud(folder / "leaf_points.ply", result.leaf_points);
 }

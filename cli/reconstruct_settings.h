@@ -21,9 +21,10 @@ struct ReconstructSettings {
   ReconstructOptions resolve(const CommonOptions& common) const;
 };
 
-/// qsm.csv, metrics.json, reconstruction.json, tree meshes and, on a leaf-on scan, leaf_points.ply.
+/// qsm.csv, metrics.json (with the scan's coordinate system `crs`), reconstruction.json, tree meshes and, on
+/// a leaf-on scan, leaf_points.ply.
 void write_reconstruction(const std::filesystem::path& folder, const Reconstruction& result,
-                          const std::vector<std::string>& mesh_formats);
+                          const std::vector<std::string>& mesh_formats, const std::string& crs = {});
 
 /// The facts beside the metrics (points by stage, foot, wood share, noise, warnings) as a JSON object.
 std::string reconstruction_json(const Reconstruction& result);

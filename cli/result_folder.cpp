@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/result_folder.h"
 
+#include "cli/report_file.h"
 #include "core/errors.h"
 #include "io/birth_cycles.h"
 #include "io/file_bytes.h"
@@ -12,6 +13,8 @@
 
 #include <tuple>
 #include <utility>
+
+#include <nlohmann/json.hpp>
 
 namespace dendrofit::cli {
 namespace {
@@ -71,6 +74,22 @@ std::vector<ReportCurve> curves_of(const fs::path& table) {
   return curves;
 }
 
+/// What a folder without a report.json tells: growth.csv's curves, and the warnings of each stage.
+void read_parts(const fs::path& folder, ReportData& report) {
+  if (fs::exists(folder / "growth.csv")) report.curves = curves_of(folder / "growth.csv");
+  for (const char* name : {"reconstruction.json", "leaves.json"}) {
+    if (!fs::exists(folder / name)) continue;
+    const FileBytes bytes(folder / name);
+    const auto json = nlohmann::json::parse(bytes.view(), nullptr, false);
+    if (!json.is_object())
+      fail_in_file(folder / name, "not JSON; expected what reconstruct and leaves write");
+    const auto warnings = json.find("warnings");
+    if (warnings == json.end() || !warnings->is_array()) continue;
+    for (const auto& warning : *warnings)
+      if (warning.is_string()) report.warnings.push_back(warning.get<std::string>());
+  }
+}
+
 }  // namespace
 
 ResultFolder read_result_folder(const fs::path& folder) {
@@ -92,9 +111,12 @@ ResultFolder read_result_folder(const fs::path& folder) {
     out.foliage = as_foliage(read_mesh(folder / "leaves.obj"));
   }
   if (out.foliage && fs::exists(folder / "shoots.csv")) out.foliage->twigs = read_tree(folder / "shoots.csv");
-  if (fs::exists(folder / "growth.csv")) out.curves = curves_of(folder / "growth.csv");
-  if (fs::exists(folder / "side_by_side.png"))
-    out.side_by_side_png = std::string(FileBytes(folder / "side_by_side.png").view());
+  if (fs::exists(folder / "report.json"))
+    read_report_json(folder / "report.json", out.report);
+  else
+    read_parts(folder, out.report);
+  if (fs::exists(folder / "overlay.png"))
+    out.overlay_png = std::string(FileBytes(folder / "overlay.png").view());
   return out;
 }
 

@@ -19,9 +19,9 @@ struct ResultFolder {
   std::optional<Tree> model;    ///< qsm.csv
   std::optional<Tree> regrown;  ///< regrown/qsm.csv, or qsm.csv where birth_cycles.csv says that it was grown
   std::optional<TreeMetrics> model_metrics, regrown_metrics;
-  std::optional<Foliage> foliage;   ///< leaves.glb, else leaves.obj as one mesh; with shoots.csv
-  std::vector<ReportCurve> curves;  ///< growth.csv
-  std::string side_by_side_png;
+  std::optional<Foliage> foliage;  ///< leaves.glb, else leaves.obj as one mesh; with shoots.csv
+  ReportData report;               ///< what report.json says; else the curves of growth.csv
+  std::string overlay_png;
 
   bool empty() const { return !model && !regrown && !foliage; }
   /// The tree its leaves stand on; nullptr where the folder has no tree.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/command.h"
+#include "io/json_text.h"
 
 #include <cstdio>
 
@@ -32,7 +33,7 @@ std::string error_json(int code, const std::string& message) {
                      : code == 130 ? "interrupted"
                                    : "fault";
   const nlohmann::ordered_json json = {{"error", {{"code", code}, {"kind", kind}, {"message", message}}}};
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return json_text(json);
 }
 
 }  // namespace dendrofit::cli

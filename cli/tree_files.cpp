@@ -19,9 +19,9 @@ void check_mesh_formats(const std::vector<std::string>& formats) {
 }
 
 void write_tree_files(const std::filesystem::path& folder, const Tree& tree, const TreeMetrics& metrics,
-                      const std::vector<std::string>& mesh_formats, std::span<const TreeMetrics> trees) {
+                      const std::vector<std::string>& mesh_formats, const MetricsExtras& extras) {
   write_qsm_csv(folder / "qsm.csv", tree);
-  write_metrics(folder / "metrics.json", metrics, trees);
+  write_metrics(folder / "metrics.json", metrics, extras.trees, extras.crs);
   if (std::any_of(tree.birth_cycle.begin(), tree.birth_cycle.end(), [](std::int32_t c) { return c >= 0; }))
     write_birth_cycles(folder / "birth_cycles.csv", tree);
   else

@@ -5,6 +5,7 @@
 #include "cli/reconstruct_settings.h"
 #include "cli/report/overlay.h"
 #include "core/atomic_file.h"
+#include "io/json_text.h"
 #include "io/write_cloud.h"
 
 #include <algorithm>
@@ -49,15 +50,14 @@ std::string views_json(const ViewsReconstruction& result) {
          {"offset_px", std::isfinite(quality.offset_px) ? Json(quality.offset_px) : Json(nullptr)},
          {"camera_from_local", pose}});
   }
-  return Json{{"tolerance_px", result.tolerance_px},
-              {"cell_m", result.cell_m},
-              {"poses_refined", result.poses_refined},
-              {"shadow_cylinders_dropped", result.shadows},
-              {"origin",
-               {result.surface.origin_shift.x(), result.surface.origin_shift.y(),
-                result.surface.origin_shift.z()}},
-              {"views", views}}
-             .dump(2) +
+  return json_text({{"tolerance_px", result.tolerance_px},
+                    {"cell_m", result.cell_m},
+                    {"poses_refined", result.poses_refined},
+                    {"shadow_cylinders_dropped", result.shadows},
+                    {"origin",
+                     {result.surface.origin_shift.x(), result.surface.origin_shift.y(),
+                      result.surface.origin_shift.z()}},
+                    {"views", views}}) +
          "\n";
 }
 

@@ -5,9 +5,12 @@
 #include "core/tree_topology.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -92,6 +95,27 @@ void TriangleMesh::validate() const {
 void TreeMeshOptions::validate() const {
   require(min_sides >= 3, "min_sides", min_sides, "at least 3");
   require(max_sides >= min_sides, "max_sides", max_sides, "at least min_sides");
+}
+
+bool is_closed(const TriangleMesh& mesh) {
+  if (mesh.triangles.empty()) return false;
+  std::map<std::array<double, 3>, std::uint32_t> places;
+  std::vector<std::uint32_t> place;  // of each vertex
+  for (const Vec3& v : mesh.vertices)
+    place.push_back(places.emplace(std::array{v.x(), v.y(), v.z()}, static_cast<std::uint32_t>(places.size()))
+                        .first->second);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const auto& triangle : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = place[triangle[k]], b = place[triangle[(k + 1) % 3]];
+      if (a != b) edges.push_back(std::minmax(a, b));
+    }
+  std::sort(edges.begin(), edges.end());
+  for (std::size_t first = 0, last = 0; first < edges.size(); first = last) {
+    while (last < edges.size() && edges[last] == edges[first]) ++last;
+    if ((last - first) % 2 != 0) return false;
+  }
+  return true;
 }
 
 TriangleMesh tree_mesh(const Tree& tree, const TreeMeshOptions& options) {

@@ -23,6 +23,10 @@ struct TriangleMesh {
   void validate() const;
 };
 
+/// Whether the triangles enclose a body: every edge belongs to an even number of them, vertices at the same
+/// place taken for one. False without triangles.
+bool is_closed(const TriangleMesh& mesh);
+
 struct TreeMeshOptions {
   int min_sides = 5;   ///< of the thinnest twigs
   int max_sides = 24;  ///< of the thickest stem

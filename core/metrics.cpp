@@ -9,12 +9,14 @@
 #include <cmath>
 #include <numbers>
 
+#include <Eigen/Geometry>
+
 namespace dendrofit {
 namespace {
 
 // A twig low on the stem does not start the crown: only branches of this length count, if there are any.
 constexpr double kCrownBranchShareOfHeight = 0.1;
-constexpr double kDiameterClass = 0.02;
+constexpr double kBranchBase_m = 0.1;  // over which a branch's angle is taken
 
 double top_of(const Tree& tree) {
   double top = -1e300;
@@ -59,7 +61,7 @@ void add_wood(const Tree& tree, TreeMetrics& m) {
     m.total_length_m += tree.length(i);
     slot(m.length_by_order_m, order) += tree.length(i);
     slot(m.volume_by_order_m3, order) += volume;
-    slot(m.volume_by_diameter_class_m3, static_cast<std::size_t>(2 * tree.radius[i] / kDiameterClass)) +=
+    slot(m.volume_by_diameter_class_m3, static_cast<std::size_t>(2 * tree.radius[i] / m.diameter_class_m)) +=
         volume;
   }
   m.total_volume_m3 = m.stem_volume_m3 + m.branch_volume_m3;
@@ -77,6 +79,30 @@ std::optional<double> crown_base(const std::vector<Axis>& axes, const Tree& tree
     if (lowest) break;
   }
   return lowest;
+}
+
+/// Mean angle between branches and their bearers by order.
+std::vector<double> branch_angles(const std::vector<Axis>& axes, const Tree& tree) {
+  std::vector<double> sum, count;
+  for (const Axis& axis : axes) {
+    if (axis.nodes.empty()) continue;
+    const auto first = static_cast<std::size_t>(axis.nodes.front());
+    const auto order = static_cast<std::size_t>(axis.order);
+    slot(sum, order);
+    slot(count, order);
+    if (tree.parent[first] < 0) continue;
+    const Vec3 bearer = tree.direction(static_cast<std::size_t>(tree.parent[first]));
+    Vec3 run = Vec3::Zero();
+    for (const std::int32_t n : axis.nodes) {
+      run = tree.end[static_cast<std::size_t>(n)] - tree.start[first];
+      if (run.norm() >= kBranchBase_m) break;
+    }
+    sum[order] += std::atan2(run.cross(bearer).norm(), run.dot(bearer)) * 180 / std::numbers::pi;
+    count[order] += 1;
+  }
+  for (std::size_t k = 0; k < sum.size(); ++k)
+    if (count[k] > 0) sum[k] /= count[k];
+  return sum;
 }
 
 const Axis* main_stem(const std::vector<Axis>& axes, const Tree& tree) {
@@ -117,7 +143,22 @@ std::optional<double> stem_diameter(const Tree& tree, double height_m) {
   return thickest;
 }
 
-TreeMetrics measure(const Tree& tree, const MetricsOptions& options) {
+std::vector<LeafLayer> leaf_layers(const std::vector<Vec3>& leaves, double foot_z) {
+  constexpr double kDepth_m = 0.5;
+  std::vector<LeafLayer> layers;
+  if (leaves.empty()) return layers;
+  const auto layer = [&](const Vec3& p) { return static_cast<int>(std::floor((p.z() - foot_z) / kDepth_m)); };
+  int lowest = layer(leaves.front()), highest = lowest;
+  for (const Vec3& p : leaves) {
+    lowest = std::min(lowest, layer(p));
+    highest = std::max(highest, layer(p));
+  }
+  for (int k = lowest; k <= highest; ++k) layers.push_back({k * kDepth_m, (k + 1) * kDepth_m, 0});
+  for (const Vec3& p : leaves) ++layers[static_cast<std::size_t>(layer(p) - lowest)].points;
+  return layers;
+}
+
+TreeMetrics measure(const Tree& tree, const MetricsOptions& options, const std::vector<Vec3>& foliage) {
   options.validate();
   if (tree.empty()) throw InputError("the tree has no cylinder: nothing to measure");
   const std::vector<Axis> axes = axes_of(tree);
@@ -130,11 +171,15 @@ TreeMetrics measure(const Tree& tree, const MetricsOptions& options) {
   for (const Axis& axis : axes)
     if (!axis.nodes.empty()) ++slot(m.branch_count_by_order, static_cast<std::size_t>(axis.order));
   if (m.height_m >= options.dbh_height_m) m.dbh_m = stem_diameter(tree, options.dbh_height_m);
+  m.branch_angle_by_order_deg = branch_angles(axes, tree);
   m.crown_base_m = crown_base(axes, tree, foot, m.height_m);
 
   std::vector<Vec3> crown;
-  for (std::size_t i = 0; i < tree.size(); ++i)
-    if (m.crown_base_m && tree.end[i].z() - foot >= *m.crown_base_m) crown.push_back(tree.end[i]);
+  const auto add_to_crown = [&](const Vec3& p) {
+    if (m.crown_base_m && p.z() - foot >= *m.crown_base_m) crown.push_back(p);
+  };
+  for (const Vec3& p : tree.end) add_to_crown(p);
+  for (const Vec3& p : foliage) add_to_crown(p);
   const PlanHull plan = plan_hull(crown);
   m.crown_area_m2 = plan.area_m2;
   m.crown_diameter_m = plan.perimeter_m / std::numbers::pi;
@@ -144,9 +189,12 @@ TreeMetrics measure(const Tree& tree, const MetricsOptions& options) {
     const Vec3 run = tree.end[static_cast<std::size_t>(stem->nodes.back())] -
                      tree.start[static_cast<std::size_t>(stem->nodes.front())];
     m.lean_deg = std::atan2(run.head<2>().norm(), run.z()) * 180 / std::numbers::pi;
-    const double step = m.height_m > 10 ? 0.5 : 0.1;
-    for (int k = 0; k * step <= m.height_m; ++k)
-      if (const auto d = axis_diameter(tree, *stem, foot + k * step)) m.stem_taper.push_back({k * step, *d});
+    const double azimuth = std::atan2(run.x(), run.y()) * 180 / std::numbers::pi;
+    m.lean_azimuth_deg = azimuth < 0 ? azimuth + 360 : azimuth;
+    const double per_metre = m.height_m > 10 ? 2 : 10;
+    for (int k = 0; k / per_metre <= m.height_m; ++k)
+      if (const auto d = axis_diameter(tree, *stem, foot + k / per_metre))
+        m.stem_taper.push_back({k / per_metre, *d});
   }
   return m;
 }

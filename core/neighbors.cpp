@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include <nanoflann.hpp>
@@ -35,6 +37,32 @@ using SearchSettings = nanoflann::SearchParams;
 std::array<float, 3> single(const Vec3& p) {
   return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
 }
+
+/// Keeps the nearest of the points that are wanted; nanoflann's interface.
+class NearestWanted {
+ public:
+  NearestWanted(float within_squared, const std::function<bool(std::uint32_t)>& wanted)
+      : best_{0, within_squared}, wanted_(wanted) {}
+  std::size_t size() const { return found_ ? 1 : 0; }
+  bool full() const { return found_; }
+  float worstDist() const { return best_.second; }
+  bool addPoint(float distance, std::uint32_t index) {
+    if (distance < best_.second && wanted_(index)) {
+      best_ = {index, distance};
+      found_ = true;
+    }
+    return true;
+  }
+  void sort() {}
+  std::optional<Neighbor> best() const {
+    return found_ ? std::optional(Neighbor{best_.first, best_.second}) : std::nullopt;
+  }
+
+ private:
+  std::pair<std::uint32_t, float> best_;
+  bool found_ = false;
+  const std::function<bool(std::uint32_t)>& wanted_;
+};
 
 void sort_by_distance(std::vector<Neighbor>& out) {
   std::sort(out.begin(), out.end(), [](const Neighbor& a, const Neighbor& b) {
@@ -79,6 +107,17 @@ void Neighbors::nearest(const Vec3& query, std::size_t k, std::vector<Neighbor>&
   out.resize(found);
   for (std::size_t i = 0; i < found; ++i) out[i] = {indices[i], distances[i]};
   sort_by_distance(out);
+}
+
+std::optional<Neighbor> Neighbors::nearest_where(const Vec3& query, double radius,
+                                                 const std::function<bool(std::uint32_t)>& wanted) const {
+  if (size() == 0 || !(radius >= 0)) return std::nullopt;
+  const std::array<float, 3> q = single(query);
+  // The search leaves out what is exactly as far as the bound.
+  const auto square = static_cast<float>(radius * radius);
+  NearestWanted result(std::nextafter(square, std::numeric_limits<float>::infinity()), wanted);
+  index_->tree->findNeighbors(result, q.data(), SearchSettings());
+  return result.best();
 }
 
 void Neighbors::within(const Vec3& query, double radius, std::vector<Neighbor>& out) const {

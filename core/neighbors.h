@@ -6,7 +6,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace dendrofit {
@@ -29,6 +31,9 @@ class Neighbors {
   std::size_t size() const;
   /// The k nearest points, nearest first (fewer where there are fewer points). Replaces `out`.
   void nearest(const Vec3& query, std::size_t k, std::vector<Neighbor>& out) const;
+  /// The nearest of the points within `radius` metres for which `wanted(index)` holds.
+  std::optional<Neighbor> nearest_where(const Vec3& query, double radius,
+                                        const std::function<bool(std::uint32_t)>& wanted) const;
   /// All points within `radius` metres, nearest first. Replaces `out`.
   void within(const Vec3& query, double radius, std::vector<Neighbor>& out) const;
 

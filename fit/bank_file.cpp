@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A bank of prior simulations as bytes: a text line, then a deflated block of
-//   u32 draws, u32 columns, u32 stamp length, f32 stamp[], and for each column f32 lo, f32 hi, u16 value[]
+//   u32 draws, u32 columns, u32 stamp length, u32 truncations, u32 descriptors, f32 stamp[], for each
+//   truncation f32 covariance[descriptors^2], and for each column f32 lo, f32 hi, u16 value[]
 // (little endian; value 65535: missing, else lo + value / 65534 * (hi - lo)).
 #include "core/errors.h"
 #include "fit/prior_bank.h"
@@ -16,7 +17,7 @@ namespace dendrofit {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "bank files are little endian");
-constexpr std::string_view kMagic = "dendrofit prior bank 1\n";
+constexpr std::string_view kMagic = "dendrofit prior bank 2\n";
 constexpr std::uint16_t kMissing = 65535;
 constexpr double kSteps = 65534;
 constexpr std::size_t kLargest = 1u << 28;
@@ -56,7 +57,12 @@ std::string encode_bank(const PriorBank& bank) {
   put(plain, static_cast<std::uint32_t>(values.rows()));
   put(plain, static_cast<std::uint32_t>(values.cols()));
   put(plain, static_cast<std::uint32_t>(bank.stamp.size()));
+  const Eigen::Index side = bank.noise.empty() ? 0 : bank.noise.front().covariance.rows();
+  put(plain, static_cast<std::uint32_t>(bank.noise.size()));
+  put(plain, static_cast<std::uint32_t>(side));
   for (const float s : bank.stamp) put(plain, s);
+  for (const SeedNoise& noise : bank.noise)
+    for (const double value : noise.covariance.reshaped()) put(plain, static_cast<float>(value));
   for (Eigen::Index j = 0; j < values.cols(); ++j) {
     float lo = std::numeric_limits<float>::infinity(), hi = -lo;
     for (const float v : values.col(j)) {
@@ -101,10 +107,19 @@ PriorBank decode_bank(std::string_view bytes, const std::string& name) {
   const auto rows = static_cast<std::size_t>(in.take<std::uint32_t>());
   const auto columns = static_cast<std::size_t>(in.take<std::uint32_t>());
   const auto stamps = static_cast<std::size_t>(in.take<std::uint32_t>());
-  if (columns > 100000 || in.left() != 4 * stamps + columns * (8 + 2 * rows))
+  const auto levels = static_cast<std::size_t>(in.take<std::uint32_t>());
+  const auto side = static_cast<std::size_t>(in.take<std::uint32_t>());
+  if (columns > 100000 || side > columns || levels > columns ||
+      in.left() != 4 * (stamps + levels * side * side) + columns * (8 + 2 * rows))
     head.fail("does not hold what it announces");
   PriorBank bank;
   for (std::size_t i = 0; i < stamps; ++i) bank.stamp.push_back(in.take<float>());
+  for (std::size_t level = 0; level < levels; ++level) {
+    const auto n = static_cast<Eigen::Index>(side);
+    Eigen::MatrixXd covariance(n, n);
+    for (double& value : covariance.reshaped()) value = in.take<float>();
+    bank.noise.push_back({covariance});
+  }
   bank.descriptors.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
   for (Eigen::Index j = 0; j < bank.descriptors.cols(); ++j) {
     const auto lo = in.take<float>();

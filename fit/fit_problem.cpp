@@ -101,15 +101,11 @@ void add_species(const FitProblem& problem, PriorInformation& prior) {
   }
 }
 
-std::string why_not_bank(const FitProblem& problem) {
-  const FitOptions& options = problem.options;
-  if (!options.bank) return "there is none";
-  if (const auto stale = why_stale(*options.bank)) return *stale;
+std::optional<std::string> why_unlike_bank(const FitProblem& problem) {
   const double size = problem.setting.observed.size_internodes;
-  if (size < kFewestInternodes || size > kMostInternodes)
-    return fmt::format("its trees are {} to {} internodes tall, this one would be {:.0f}", kFewestInternodes,
-                       kMostInternodes, size);
-  return {};
+  if (size >= kFewestInternodes && size <= kMostInternodes) return {};
+  return fmt::format("its trees are {} to {} internodes tall, this one would be {:.0f}", kFewestInternodes,
+                     kMostInternodes, size);
 }
 
 void from_bank(const FitProblem& problem, PriorInformation& prior) {
@@ -210,15 +206,20 @@ PriorInformation prior_information(FitProblem& problem, SimulationLog& log, Prog
   PriorInformation prior;
   prior.observation.descriptors = problem.observed;
   prior.observation.error = problem.error;
-  const std::string why = why_not_bank(problem);
-  if (why.empty()) {
+  const auto bank = problem.options.bank;
+  const std::optional<std::string> stale = bank ? why_stale(*bank) : "there is none";
+  const std::optional<std::string> why = stale ? stale : why_unlike_bank(problem);
+  if (!why) {
     from_bank(problem, prior);
   } else {
-    if (problem.options.bank)
-      problem.warnings.push_back("the bank of prior simulations is not used: " + why +
+    if (bank)
+      problem.warnings.push_back("the bank of prior simulations is not used: " + *why +
                                  "; part of the budget goes into new ones");
     from_new_simulations(problem, prior, log, progress);
   }
+  // Noise depends less on the tree than the tree does: the bank's serves trees of every size.
+  prior.noise = stale ? noise_about_trend(prior.simulations.unit, prior.simulations.descriptors)
+                      : bank->noise.at(problem.level);
   add_known(problem, prior);
   add_species(problem, prior);
   return prior;

@@ -5,6 +5,7 @@
 #include "fit/fit_tree.h"
 #include "fit/regression_posterior.h"
 #include "fit/search_space.h"
+#include "fit/seed_noise.h"
 #include "fit/simulation_log.h"
 
 #include <chrono>
@@ -52,6 +53,7 @@ std::uint64_t identity(const FitProblem& problem);
 struct PriorInformation {
   PriorSimulations simulations;
   Observation observation;
+  SeedNoise noise;    ///< typical of trees, at the truncation in use
   UnitPoints points;  ///< those simulated here, in the order of their keys; empty with a bank
   bool from_bank = false;
 };

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -17,6 +18,9 @@ constexpr double kBeyond = 0.25;       // of the interval's width is searched on
 constexpr double kInitialStep = 0.17;  // of the box: about one posterior sd
 constexpr double kSettled = 0.02;
 constexpr std::size_t kBestTried = 2;
+constexpr std::size_t kNearestDraws = 8;  // of the prior's simulations compete with the posterior's centre
+constexpr double kNearKnown = 0.1;        // of a known coordinate's range
+constexpr double kBesideStart = 0.05;     // of a coordinate's range is searched beside the start at least
 constexpr std::array kNeverSearched = {"shape", "pipe_exponent", "tip_share", "tau",
                                        "alpha", "sigma",         "b_min",     "b_rise"};
 
@@ -29,6 +33,32 @@ int nearest_simulation(const Eigen::MatrixXd& simulations, const NoiseMetric& me
   for (int i = 1; i < simulations.rows(); ++i)
     if (metric.cost(simulations.row(i)) < metric.cost(simulations.row(best))) best = i;
   return best;
+}
+
+/// Points of the simulations of the prior that come nearest, of the equation and the known coordinates
+/// searched for; what the search holds is held in them.
+UnitPoints nearest_draws(const FitProblem& problem, const PriorInformation& prior,
+                         const NoiseMetric& metric) {
+  const PriorSimulations& s = prior.simulations;
+  const auto& names = SearchSpace::equations();
+  const auto equation = std::find(names.begin(), names.end(), problem.space.equation()) - names.begin();
+  const Eigen::Index own = static_cast<Eigen::Index>(descriptor_table().size());
+  std::vector<std::pair<double, Eigen::Index>> costs;
+  for (Eigen::Index i = 0; i < s.unit.rows(); ++i) {
+    if (!s.group.empty() && s.group[static_cast<std::size_t>(i)] != equation) continue;
+    if (s.known.cols() > 0 &&
+        (s.known.row(i).transpose() - prior.observation.known).cwiseAbs().maxCoeff() > kNearKnown)
+      continue;
+    costs.emplace_back(metric.cost(s.descriptors.row(i).head(own)), i);
+  }
+  const std::size_t count = std::min(kNearestDraws, costs.size());
+  std::partial_sort(costs.begin(), costs.begin() + static_cast<std::ptrdiff_t>(count), costs.end());
+  UnitPoints points;
+  for (std::size_t k = 0; k < count; ++k) {
+    points.emplace_back(s.unit.row(costs[k].second).transpose());
+    for (const auto& [key, unit] : problem.options.held) points.back()[problem.space.row(key)] = unit;
+  }
+  return points;
 }
 
 }  // namespace
@@ -82,6 +112,31 @@ SearchBox search_box(const FitProblem& problem, const PosteriorSample& posterior
   box.lo = Eigen::Map<const Eigen::VectorXd>(lo.data(), static_cast<Eigen::Index>(lo.size()));
   box.hi = Eigen::Map<const Eigen::VectorXd>(hi.data(), static_cast<Eigen::Index>(hi.size()));
   return box;
+}
+
+void SearchBox::start_at(const Eigen::VectorXd& point) {
+  elsewhere = point;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    lo[i] = std::min(lo[i], std::max(0.0, point[rows[k]] - kBesideStart));
+    hi[i] = std::max(hi[i], std::min(1.0, point[rows[k]] + kBesideStart));
+  }
+}
+
+Eigen::VectorXd best_start(const FitProblem& problem, const PriorInformation& prior,
+                           const NoiseMetric& metric, const SearchBox& box, SimulationLog& log,
+                           std::vector<Tried>& tried, TreeFit& fit, Progress& progress) {
+  const auto left = static_cast<std::size_t>(std::max(0, problem.options.evaluations - fit.evaluations));
+  UnitPoints starts = {box.elsewhere};
+  for (const Eigen::VectorXd& draw : nearest_draws(problem, prior, metric)) starts.push_back(draw);
+  starts.resize(std::min(starts.size(), left));
+  if (starts.empty()) return box.elsewhere;
+  progress.begin("choosing where to start", static_cast<double>(starts.size()), "sets");
+  const auto key = kSearchKeys + static_cast<std::uint64_t>(fit.evaluations);
+  const Eigen::MatrixXd rows = problem.run(starts, problem.options.seeds, key, log, progress);
+  progress.end();
+  const std::vector<double> costs = note(starts, rows, problem.options.seeds, metric, tried, fit);
+  return starts[static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) - costs.begin())];
 }
 
 std::vector<double> note(const UnitPoints& points, const Eigen::MatrixXd& rows, int seeds,

@@ -20,6 +20,8 @@ struct SearchBox {
 
   Eigen::VectorXd full(const Eigen::VectorXd& inner) const;
   Eigen::VectorXd inner(const Eigen::VectorXd& full) const;
+  /// Makes `point` the centre, and the ranges wide enough to hold it.
+  void start_at(const Eigen::VectorXd& point);
 };
 
 SearchBox search_box(const FitProblem& problem, const PosteriorSample& posterior);
@@ -46,6 +48,12 @@ inline constexpr int kJudgingSeeds = 8;
 /// Notes evaluations whose simulations stand in `rows`, `seeds` rows a point; returns their costs.
 std::vector<double> note(const UnitPoints& points, const Eigen::MatrixXd& rows, int seeds,
                          const NoiseMetric& metric, std::vector<Tried>& tried, TreeFit& fit);
+
+/// Where to start: the posterior's centre, or one of the simulations of the prior nearest to the observed
+/// tree, whichever fresh seeds find nearer.
+Eigen::VectorXd best_start(const FitProblem& problem, const PriorInformation& prior,
+                           const NoiseMetric& metric, const SearchBox& box, SimulationLog& log,
+                           std::vector<Tried>& tried, TreeFit& fit, Progress& progress);
 
 /// CMA-ES from the box's centre until the budget, the time or the search itself ends; the centre it reached.
 Eigen::VectorXd search(const FitProblem& problem, const NoiseMetric& metric, const SearchBox& box,

@@ -15,21 +15,16 @@
 namespace dendrofit {
 namespace {
 
-constexpr int kNoiseSeeds = 24;
+constexpr int kNoiseSeeds = 16;
 constexpr int kPosteriorTrees = 5;
 
-/// Noise about the posterior's centre, from replicates there; where too few of them have a descriptor, from
-/// the prior's simulations next to the observed tree.
-NoiseMetric noise_at(const FitProblem& problem, const PriorInformation& prior,
-                     const PosteriorSample& posterior, const Eigen::VectorXd& centre, SimulationLog& log,
-                     Progress& progress) {
-  const PriorSimulations& s = prior.simulations;
-  const NoiseMetric wide(s.unit(posterior.rows, Eigen::all), s.descriptors(posterior.rows, Eigen::all),
-                         problem.observed, problem.error);
+/// Noise about the posterior's centre, from replicates there, held to what is typical of trees.
+NoiseMetric noise_at(const FitProblem& problem, const SeedNoise& typical, const Eigen::VectorXd& centre,
+                     SimulationLog& log, Progress& progress) {
   progress.begin("measuring the noise between seeds", 1, "set");
   const Eigen::MatrixXd replicates = problem.run({centre}, kNoiseSeeds, kNoiseKeys, log, progress);
   progress.end();
-  return {Eigen::MatrixXd(kNoiseSeeds, 0), replicates, problem.observed, problem.error, &wide};
+  return {typical, replicates, problem.observed, problem.error};
 }
 
 /// Trees of parameter sets drawn from the posterior.
@@ -115,11 +110,12 @@ TreeFit fit_tree(const Tree& observed, const FitOptions& options, Progress& prog
   fit.evidence = equation_evidence(posterior, prior.simulations);
 
   // The search within it.
-  const SearchBox box = search_box(problem, posterior);
-  const NoiseMetric metric = noise_at(problem, prior, posterior, box.elsewhere, log, progress);
+  SearchBox box = search_box(problem, posterior);
+  const NoiseMetric metric = noise_at(problem, prior.noise, box.elsewhere, log, progress);
   if (options.on_checkpoint) options.on_checkpoint(log.bytes(problem.seconds(log)));
   std::vector<Tried> tried;
   note(prior.points, prior.simulations.descriptors, 1, metric, tried, fit);
+  box.start_at(best_start(problem, prior, metric, box, log, tried, fit, progress));
   const Eigen::VectorXd found = search(problem, metric, box, log, tried, fit, progress);
 
   // Both ends on fresh seeds.

@@ -76,12 +76,13 @@ void weibull_to_natural(const double* c, double* p, GrowthMatrix* j) {
 }
 
 // Gompertz p = a, b, c; c = ln a, ln c, inflection age; b = e^(c ti).
-void gompertz_to_shape(const double* p, double* c) {
+// Monomolecular p = a, c, b; c = ln a, ln b, age of size 0; c = e^(b t0).
+void dated_to_shape(const double* p, double* c) {
   c[0] = std::log(p[0]);
   c[1] = std::log(p[2]);
   c[2] = std::log(p[1]) / p[2];
 }
-void gompertz_to_natural(const double* c, double* p, GrowthMatrix* j) {
+void dated_to_natural(const double* c, double* p, GrowthMatrix* j) {
   p[0] = bounded_exp(c[0]);
   p[2] = bounded_exp(c[1]);
   p[1] = bounded_exp(p[2] * c[2]);
@@ -124,22 +125,6 @@ void hossfeld_to_natural(const double* c, double* p, GrowthMatrix* j) {
   set(j, 2, 2, p[2]);
 }
 
-// Monomolecular p = a, c, b; c = ln a, ln b, age of size 0; c = e^(b t0).
-void monomolecular_to_shape(const double* p, double* c) {
-  c[0] = std::log(p[0]);
-  c[1] = std::log(p[2]);
-  c[2] = std::log(p[1]) / p[2];
-}
-void monomolecular_to_natural(const double* c, double* p, GrowthMatrix* j) {
-  p[0] = bounded_exp(c[0]);
-  p[2] = bounded_exp(c[1]);
-  p[1] = bounded_exp(p[2] * c[2]);
-  set(j, 0, 0, p[0]);
-  set(j, 1, 1, p[1] * p[2] * c[2]);
-  set(j, 1, 2, p[1] * p[2]);
-  set(j, 2, 1, p[2]);
-}
-
 // Richards p = a, b, c, d; c = ln a, ln c, inflection age, ln d; b = c ti + ln d.
 void richards_to_shape(const double* p, double* c) {
   c[0] = std::log(p[0]);
@@ -164,11 +149,11 @@ constexpr std::array<ShapeChart, 9> kShapeCharts{{
     {"logistic", {-1, 0, 1, -1}, logistic_to_shape, logistic_to_natural},
     {"bertalanffy", {0, 1, -1, -1}, log_to_shape<2>, log_to_natural<2>},
     {"weibull", {0, -1, 2, -1}, weibull_to_shape, weibull_to_natural},
-    {"gompertz", {0, -1, 1, -1}, gompertz_to_shape, gompertz_to_natural},
+    {"gompertz", {0, -1, 1, -1}, dated_to_shape, dated_to_natural},
     {"chapman_richards", {0, 1, 2, -1}, log_to_shape<3>, log_to_natural<3>},
     {"korf", {0, -1, 2, -1}, korf_to_shape, korf_to_natural},
     {"hossfeld4", {0, -1, 2, -1}, hossfeld_to_shape, hossfeld_to_natural},
-    {"monomolecular", {0, -1, 1, -1}, monomolecular_to_shape, monomolecular_to_natural},
+    {"monomolecular", {0, -1, 1, -1}, dated_to_shape, dated_to_natural},
     {"richards", {0, -1, 1, 3}, richards_to_shape, richards_to_natural},
 }};
 

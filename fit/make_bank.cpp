@@ -75,6 +75,8 @@ void make(const std::filesystem::path& output, const std::filesystem::path& work
   if ((kept.size() - head.size()) / row_bytes < draws) throw IoError(work.string() + ": was cut off");
   std::memcpy(rows.data(), kept.data() + head.size(), draws * row_bytes);
   bank.descriptors = rows;
+  std::fprintf(stderr, "make_bank: measuring the noise between seeds\n");
+  bank.noise = measure_seed_noise(bank.descriptors, threads);
   write_file(output, encode_bank(bank));
 }
 

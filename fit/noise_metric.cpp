@@ -3,19 +3,20 @@
 
 #include "core/errors.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 
 namespace dendrofit {
 namespace {
 
-constexpr double kMissingPenalty = 9;      // 3 sd
-constexpr double kShrinkToDiagonal = 0.3;  // few simulations estimate correlations badly
-constexpr double kHuber = 3;          // sd; a descriptor that the model cannot meet must not drown the others
-constexpr double kFewestShare = 0.2;  // of simulations that must have a descriptor for it to be used
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMissingPenalty = 9;          // 3 sd
+constexpr Eigen::Index kFewestReplicates = 8;  // with a descriptor, to tell its noise
+constexpr double kMostOfTypical = 2;           // standard deviations may be so many times the typical one
+constexpr double kHuber = 3;  // sd; a descriptor that the model cannot meet must not drown the others
 
 /// z^2 up to kHuber, going on linearly.
 double huber(double z) {
@@ -23,81 +24,59 @@ double huber(double z) {
   return z <= kHuber ? z * z : kHuber * (2 * z - kHuber);
 }
 
-Eigen::VectorXd finite_column_means(const Eigen::MatrixXd& values) {
-  Eigen::VectorXd means(values.cols());
-  for (Eigen::Index j = 0; j < values.cols(); ++j) {
-    double sum = 0;
-    int count = 0;
-    for (const double v : values.col(j))
-      if (std::isfinite(v)) {
-        sum += v;
-        ++count;
-      }
-    means[j] = count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
-  }
-  return means;
+/// Mean and standard deviation of a column's finite values; NaN where too few tell.
+struct Spread {
+  double mean = kNone, deviation = kNone;
+};
+
+Spread spread_of(const Eigen::VectorXd& column) {
+  const auto known = column.array().isFinite();
+  const auto count = static_cast<double>(known.count());
+  if (count == 0) return {};
+  const double mean = known.select(column.array(), 0).sum() / count;
+  if (known.count() < kFewestReplicates) return {mean, kNone};
+  return {mean, std::sqrt(known.select((column.array() - mean).square(), 0).sum() / (count - 1))};
 }
 
-double finite_share(const Eigen::VectorXd& column) {
-  return static_cast<double>(column.array().isFinite().count()) /
-         static_cast<double>(std::max<Eigen::Index>(1, column.size()));
-}
-
-/// Residuals of y on 1, theta, theta^2 (ordinary least squares), scaled to be free of the fit's degrees of
-/// freedom.
-Eigen::MatrixXd residuals_given_parameters(const Eigen::MatrixXd& theta, const Eigen::MatrixXd& y) {
-  const Eigen::Index n = theta.rows();
-  const bool quadratic = n >= 4 * (1 + 2 * theta.cols());
-  const bool linear = n >= 3 * (1 + theta.cols());
-  Eigen::MatrixXd design(n, 1 + (linear ? theta.cols() : 0) + (quadratic ? theta.cols() : 0));
-  design.col(0).setOnes();
-  if (linear) design.middleCols(1, theta.cols()) = theta;
-  if (quadratic) design.rightCols(theta.cols()) = theta.array().square();
-  const Eigen::MatrixXd fitted = design * design.colPivHouseholderQr().solve(y);
-  const double freedom = std::max(1.0, static_cast<double>(n - design.cols()));
-  return (y - fitted) * std::sqrt(static_cast<double>(n) / freedom);
-}
-
-bool lends(const NoiseMetric* wider, Eigen::Index descriptor) {
-  return wider && std::isfinite(wider->noise(descriptor));
+double tempered(double typical, double local) {
+  if (!std::isfinite(local)) return typical;
+  if (!std::isfinite(typical)) return local;
+  return std::clamp(std::sqrt(typical * local), typical / kMostOfTypical, typical * kMostOfTypical);
 }
 
 }  // namespace
 
-NoiseMetric::NoiseMetric(const Eigen::MatrixXd& parameters, const Eigen::MatrixXd& descriptors,
-                         const Eigen::VectorXd& observed, const Eigen::VectorXd& error,
-                         const NoiseMetric* wider)
-    : observed_(observed), mean_(finite_column_means(descriptors)) {
-  for (Eigen::Index j = 0; j < observed.size(); ++j)
-    if (std::isfinite(observed[j]) && (finite_share(descriptors.col(j)) >= kFewestShare || lends(wider, j)))
-      used_.push_back(j);
+NoiseMetric::NoiseMetric(const SeedNoise& typical, const Eigen::MatrixXd& replicates,
+                         const Eigen::VectorXd& observed, const Eigen::VectorXd& error)
+    : observed_(observed), noise_(Eigen::VectorXd::Constant(observed.size(), kNone)), mean_(observed) {
+  std::vector<double> deviations;
+  for (Eigen::Index j = 0; j < observed.size(); ++j) {
+    if (!std::isfinite(observed[j])) continue;
+    const Spread local = spread_of(replicates.col(j));
+    const double deviation = tempered(typical.deviation(j), local.deviation);
+    if (!std::isfinite(deviation)) continue;
+    used_.push_back(j);
+    deviations.push_back(deviation);
+    noise_[j] = std::hypot(deviation, error[j]);
+    if (std::isfinite(local.mean)) mean_[j] = local.mean;
+  }
   if (used_.empty())
     throw SolverError("the observed tree and the simulated ones have no descriptor in common");
-  Eigen::MatrixXd filled = descriptors(Eigen::all, used_);
-  for (Eigen::Index k = 0; k < filled.cols(); ++k)
-    for (double& v : filled.col(k))
-      if (!std::isfinite(v))
-        v = std::isfinite(mean_[used_[static_cast<std::size_t>(k)]])
-                ? mean_[used_[static_cast<std::size_t>(k)]]
-                : 0;
-  const Eigen::MatrixXd residuals = residuals_given_parameters(parameters, filled);
-  Eigen::MatrixXd covariance = residuals.transpose() * residuals / static_cast<double>(residuals.rows());
-  const Eigen::VectorXd variances = covariance.diagonal();
-  covariance *= 1 - kShrinkToDiagonal;
-  noise_ = Eigen::VectorXd::Constant(observed.size(), std::numeric_limits<double>::quiet_NaN());
-  for (Eigen::Index k = 0; k < covariance.cols(); ++k) {
-    const Eigen::Index j = used_[static_cast<std::size_t>(k)];
-    const bool lent = finite_share(descriptors.col(j)) < kFewestShare;
-    if (lent) {
-      covariance.row(k).setZero();
-      covariance.col(k).setZero();
+  const auto n = static_cast<Eigen::Index>(used_.size());
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index a = 0; a < n; ++a) {
+    const Eigen::Index i = used_[static_cast<std::size_t>(a)];
+    for (Eigen::Index b = 0; b < n; ++b) {
+      const Eigen::Index j = used_[static_cast<std::size_t>(b)];
+      const double r = typical.covariance(i, j) / (typical.deviation(i) * typical.deviation(j));
+      if (a != b && std::isfinite(r))
+        covariance(a, b) =
+            r * deviations[static_cast<std::size_t>(a)] * deviations[static_cast<std::size_t>(b)];
     }
-    const double variance = lent ? wider->noise(j) * wider->noise(j) : variances[k] + error[j] * error[j];
-    covariance(k, k) = variance;
-    noise_[j] = std::sqrt(variance);
+    covariance(a, a) = noise_[i] * noise_[i];
   }
   const Eigen::LLT<Eigen::MatrixXd> cholesky(covariance);
-  whitening_ = cholesky.matrixL().solve(Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols()));
+  whitening_ = cholesky.matrixL().solve(Eigen::MatrixXd::Identity(n, n));
 }
 
 double NoiseMetric::cost(const Eigen::MatrixXd& simulations, const Eigen::VectorXd& observed) const {

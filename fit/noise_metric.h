@@ -2,24 +2,25 @@
 // How far apart two descriptor vectors are, counted in what chance alone makes of it.
 #pragma once
 
+#include "fit/seed_noise.h"
+
 #include <vector>
 
 #include <Eigen/Core>
 
 namespace dendrofit {
 
-/// Mahalanobis distance on the descriptors the observed tree has, with the covariance that simulations show
-/// around their expectation given the parameters, plus the observation's own error.
+/// Mahalanobis distance on the descriptors the observed tree has, with the covariance that chance makes
+/// between trees of one parameter set, plus the observation's own error.
 class NoiseMetric {
  public:
-  /// `parameters` (unit box) and `descriptors` (NaN: missing) hold one simulation a row. The expectation is a
-  /// quadratic in each parameter; its residuals are the noise. Without columns in `parameters`, the
-  /// simulations are replicates of one parameter set. `error` is the observation's standard error of each
-  /// descriptor. Throws SolverError when no descriptor is left. `wider`, where given, lends its noise for
-  /// descriptors that too few of these simulations have.
-  NoiseMetric(const Eigen::MatrixXd& parameters, const Eigen::MatrixXd& descriptors,
-              const Eigen::VectorXd& observed, const Eigen::VectorXd& error,
-              const NoiseMetric* wider = nullptr);
+  /// `typical` is the noise of trees in general; `replicates` (rows: descriptors, NaN: missing; may be none)
+  /// show it where the fit is. Of a descriptor that both tell, the deviation is their geometric mean, at most
+  /// twice and at least half the typical one: where some seeds die early, trees differ so much that a metric
+  /// of their own noise would find anything near. Correlations are the typical ones. `error` is the
+  /// observation's standard error of each descriptor. Throws SolverError when no descriptor is left.
+  NoiseMetric(const SeedNoise& typical, const Eigen::MatrixXd& replicates, const Eigen::VectorXd& observed,
+              const Eigen::VectorXd& error);
 
   /// Squared distance per descriptor of the observed tree from a simulation, averaged over the simulations of
   /// one parameter set (rows): 1 is what another seed of the same tree would have. Tree by tree, not from
@@ -28,7 +29,7 @@ class NoiseMetric {
   double cost(const Eigen::MatrixXd& simulations) const { return cost(simulations, observed_); }
   double cost(const Eigen::MatrixXd& simulations, const Eigen::VectorXd& observed) const;
 
-  /// Rows of descriptors in use, whitened to unit noise; missing values become the simulations' mean.
+  /// Rows of descriptors in use, whitened to unit noise; missing values become the replicates' mean.
   Eigen::MatrixXd whiten(const Eigen::MatrixXd& descriptors) const;
   Eigen::VectorXd whitened_observed() const;
 
@@ -41,7 +42,7 @@ class NoiseMetric {
   Eigen::VectorXd observed_;
   std::vector<Eigen::Index> used_;  ///< columns
   Eigen::VectorXd noise_;           ///< sd per column, NaN where unused
-  Eigen::VectorXd mean_;            ///< bank mean per column, to fill gaps
+  Eigen::VectorXd mean_;            ///< per column, to fill gaps
   Eigen::MatrixXd whitening_;       ///< of the used columns
 };
 

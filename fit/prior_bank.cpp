@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fit/prior_bank.h"
 
+#include "core/parallel.h"
 #include "core/random.h"
 #include "fit/descriptors.h"
 #include "fit/search_space.h"
@@ -17,6 +18,8 @@ namespace {
 constexpr std::uint64_t kBankSeed = 0xba7e5;
 constexpr std::array<const char*, 4> kEquations = {"logistic", "bertalanffy", "logistic", "weibull"};
 constexpr double kStampTolerance = 2e-3;
+constexpr std::size_t kNoiseGroups = 150, kReplicates = 4;
+constexpr float kUsualLeast = 40, kUsualMost = 110;  // internodes
 
 /// Trees of the stamp: small, of each equation, with shedding and shade at work.
 struct StampTree {
@@ -74,9 +77,34 @@ double prior_share(const std::string& equation) {
   return share;
 }
 
-std::vector<double> simulate_draw(std::uint64_t index) {
+std::vector<double> simulate_draw(std::uint64_t index, std::uint64_t replicate) {
   const PriorDraw draw = prior_draw(index);
-  return describe_grown(SearchSpace(draw.equation), draw.unit, draw.seed);
+  const std::uint64_t seed = replicate == 0 ? draw.seed : Random(draw.seed).child({replicate}).bits();
+  return describe_grown(SearchSpace(draw.equation), draw.unit, seed);
+}
+
+std::vector<SeedNoise> measure_seed_noise(const Eigen::MatrixXf& draws, int threads) {
+  const auto internodes = static_cast<Eigen::Index>(descriptor_row("internodes"));
+  std::vector<Eigen::Index> usual;
+  for (Eigen::Index i = 0; i < draws.rows() && usual.size() < kNoiseGroups; ++i)
+    if (const float size = std::exp(draws(i, internodes)); size >= kUsualLeast && size <= kUsualMost)
+      usual.push_back(i);
+  std::vector<Eigen::MatrixXd> groups(usual.size(), Eigen::MatrixXd(kReplicates, draws.cols()));
+  parallel_blocks(usual.size() * kReplicates, 1, threads, [&](std::size_t task, std::size_t) {
+    const std::size_t group = task / kReplicates, replicate = task % kReplicates;
+    const std::vector<double> values = simulate_draw(static_cast<std::uint64_t>(usual[group]), replicate);
+    groups[group].row(static_cast<Eigen::Index>(replicate)) =
+        Eigen::Map<const Eigen::RowVectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  });
+  const auto columns = static_cast<Eigen::Index>(descriptor_table().size());
+  std::vector<SeedNoise> noise;
+  for (std::size_t level = 0; level < kVisibleShares.size(); ++level) {
+    std::vector<Eigen::MatrixXd> at_level;
+    for (const Eigen::MatrixXd& group : groups)
+      at_level.push_back(group.middleCols(static_cast<Eigen::Index>(level) * columns, columns));
+    noise.push_back(noise_within(at_level));
+  }
+  return noise;
 }
 
 std::vector<float> model_stamp() {
@@ -95,7 +123,8 @@ std::vector<float> model_stamp() {
 
 std::optional<std::string> why_stale(const PriorBank& bank) {
   const std::vector<float> now = model_stamp();
-  if (bank.stamp.size() != now.size()) return "it was made for other descriptors";
+  if (bank.stamp.size() != now.size() || bank.noise.size() != kVisibleShares.size())
+    return "it was made for other descriptors";
   for (std::size_t i = 0; i < 4; ++i)
     if (bank.stamp[i] != now[i]) return "it was made for other descriptors or parameter ranges";
   for (std::size_t i = 4; i < now.size(); ++i)

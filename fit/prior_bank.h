@@ -3,6 +3,8 @@
 // the descriptors of the trees they grow.
 #pragma once
 
+#include "fit/seed_noise.h"
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -24,13 +26,19 @@ PriorDraw prior_draw(std::uint64_t index);
 /// The share of draws that grow by `equation`.
 double prior_share(const std::string& equation);
 
-/// Descriptors of the draw's tree, describe_at_all_levels() with the drawn tip radius.
-std::vector<double> simulate_draw(std::uint64_t index);
+/// Descriptors of the draw's tree, describe_at_all_levels() with the drawn tip radius. `replicate` above 0:
+/// of another tree of the same parameters.
+std::vector<double> simulate_draw(std::uint64_t index, std::uint64_t replicate = 0);
+
+/// Typical noise between seeds at each truncation of kVisibleShares, from replicates of the first draws of
+/// `bank` whose trees are of a usual size. The same for any number of threads.
+std::vector<SeedNoise> measure_seed_noise(const Eigen::MatrixXf& draws, int threads);
 
 /// One draw a row, from draw 0 on; NaN where a tree lacks something.
 struct PriorBank {
   Eigen::MatrixXf descriptors;
-  std::vector<float> stamp;  ///< model_stamp() of the model that grew them
+  std::vector<float> stamp;      ///< model_stamp() of the model that grew them
+  std::vector<SeedNoise> noise;  ///< measure_seed_noise(), one per truncation
 
   std::size_t size() const { return static_cast<std::size_t>(descriptors.rows()); }
 };

@@ -11,6 +11,9 @@ namespace {
 
 constexpr double kRowsPerFeature = 6;
 constexpr double kLeastVariance = 1e-3;  // of a principal component worth keeping
+// Leading components whose products are features: with twice as many, a bank of 20,000 trees tells each
+// parameter at most 3 % better, and takes ten times as long.
+constexpr Eigen::Index kMostCrossed = 20;
 constexpr double kLargestLeverage = 0.95;
 
 /// Features of rows: components, then squares and products of the leading ones, centred and scaled by what
@@ -31,7 +34,8 @@ class Features {
     basis_ = solver.eigenvectors().rightCols(kept).rowwise().reverse();
     for (Eigen::Index k = 0; k < kept; ++k)
       basis_.col(k) /= std::sqrt(std::max(kLeastVariance, solver.eigenvalues()[inputs.cols() - 1 - k]));
-    while (crossed_ < kept && kept + (crossed_ + 1) * (crossed_ + 2) / 2 <= most) ++crossed_;
+    while (crossed_ < std::min(kept, kMostCrossed) && kept + (crossed_ + 1) * (crossed_ + 2) / 2 <= most)
+      ++crossed_;
     const Eigen::MatrixXd raw = expand(inputs);
     mean_ = raw.colwise().mean();
     scale_ = ((raw.rowwise() - mean_).array().square().colwise().mean().sqrt()).max(1e-9).matrix();

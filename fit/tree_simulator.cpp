@@ -5,6 +5,7 @@
 #include "core/metrics.h"
 #include "core/parallel.h"
 #include "core/random.h"
+#include "core/tree_topology.h"
 #include "forward/igm/grow.h"
 
 #include <algorithm>
@@ -50,6 +51,8 @@ Regrown regrow(const IgmParameters& parameters, const DirectEstimates& observed,
   options.seed = seed;
   Regrown grown;
   grown.tree = grow_igm(parameters, {}, options, progress).tree;
+  // A stem is what is thickest, also where the model's leader died and a branch took over.
+  assign_axes_by_thickness(grown.tree);
   // Pipe-model radii are proportional to the tip radius, so one growth serves every tip radius.
   double wanted = 2 * observed.base_radius_m;
   double has = 2 * thickest_root(grown.tree);

@@ -16,8 +16,9 @@
 
 namespace dendrofit {
 
-/// A tree regrown under `parameters`, its radii scaled through the tip radius so that its diameter (at 1.3 m,
-/// else at the foot) is the observed one as far as tip radii of 0.005 to 0.06 internode lengths allow.
+/// A tree regrown under `parameters`, its axes laid by thickness as those of a scanned tree, its radii scaled
+/// through the tip radius so that its diameter (at 1.3 m, else at the foot) is the observed one as far as tip
+/// radii of 0.005 to 0.06 internode lengths allow.
 struct Regrown {
   Tree tree;
   double tip_radius_m = 0;

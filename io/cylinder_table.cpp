@@ -3,6 +3,7 @@
 
 #include "core/point_cloud.h"
 #include "core/tree_topology.h"
+#include "io/coordinate_limit.h"
 #include "io/file_bytes.h"
 
 #include <algorithm>
@@ -15,7 +16,6 @@ namespace {
 
 constexpr double kJoin = 1e-10;            // metres: an end this close to a child's start is that start
 constexpr double kGrid = 1.0 / (1 << 29);  // metres, 1.9 nm: free ends lie on whole multiples
-constexpr double kLargest = 1e9;           // metres: no place on Earth has larger coordinates
 
 Vec3 on_grid(const Vec3& p) {
   return (p / kGrid).array().round().matrix() * kGrid;
@@ -72,7 +72,7 @@ class Builder {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const CylinderRow& r = rows_[i];
       if (!r.start.allFinite() || !end_of(r).allFinite()) fail(i, "a coordinate that is not a finite number");
-      if (std::max(r.start.cwiseAbs().maxCoeff(), end_of(r).cwiseAbs().maxCoeff()) > kLargest)
+      if (std::max(r.start.cwiseAbs().maxCoeff(), end_of(r).cwiseAbs().maxCoeff()) > kLargestCoordinate)
         fail(i, "a coordinate beyond 1e9 m; are its units metres?");
       if (!std::isfinite(r.radius) || !std::isfinite(r.length))
         fail(i, "radius or length is not a finite number");

@@ -5,6 +5,7 @@
 #include "io/cloud_formats.h"
 #include "io/glb_info.h"
 #include "io/las_format.h"
+#include "io/metrics_json.h"
 #include "io/ply_file.h"
 #include "io/read_cloud.h"
 #include "io/read_mesh.h"
@@ -71,6 +72,7 @@ void describe_tree(FileInfo& info, const std::filesystem::path& path) {
   info.kind = "tree";
   info.format = to_string(tree_format_of(path));
   info.tree = read_tree(path);
+  info.crs_wkt = crs_beside(path);
   for (const auto* ends : {&info.tree->start, &info.tree->end})
     for (const Vec3& p : *ends) info.bounds.add(p + info.tree->origin_shift);
 }

@@ -22,7 +22,7 @@ struct FileInfo {
       format;  ///< "las", "laz", "ply", "pcd", "xyz", "ptx", "e57", "dendrofit", "treeqsm-text", "glb", ...
   std::uint64_t bytes = 0;
   std::vector<std::pair<std::string, std::string>> details;  ///< further facts in order: "version" "1.4", ...
-  std::string crs_wkt;  ///< coordinate system as the file states it, else empty
+  std::string crs_wkt;  ///< as the file states it, or the metrics.json beside a qsm.csv; else empty
   Bounds bounds;        ///< world coordinates, metres
   std::optional<PointCloud> cloud;
   std::optional<LasFrame> frame;  ///< of LAS and LAZ

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/glb_info.h"
 
+#include "io/json_numbers.h"
+
 #include <cmath>
 
 #include <nlohmann/json.hpp>
@@ -20,11 +22,10 @@ class Scene {
   GlbInfo read() {
     for (const Json& primitive_owner : list("meshes"))
       for (const Json& primitive : primitive_owner.at("primitives"))
-        info_.vertices +=
-            accessor(primitive.at("attributes").at("POSITION")).at("count").get<std::uint64_t>();
+        info_.vertices += whole_number(accessor(primitive.at("attributes").at("POSITION")).at("count"));
     const Json& scenes = list("scenes");
     if (!scenes.empty())
-      for (const Json& node : scenes.at(json_.value("scene", std::size_t{0})).value("nodes", Json::array()))
+      for (const Json& node : scenes.at(whole_number_or(json_, "scene", 0)).value("nodes", Json::array()))
         visit(node, Vec3::Zero(), 0);
     return info_;
   }
@@ -35,12 +36,12 @@ class Scene {
     const auto found = json_.find(key);
     return found == json_.end() ? none : *found;
   }
-  const Json& accessor(const Json& index) const { return list("accessors").at(index.get<std::size_t>()); }
+  const Json& accessor(const Json& index) const { return list("accessors").at(whole_number(index)); }
 
   void visit(const Json& index, const Vec3& above, std::size_t depth) {
     if (depth > kDeepest || ++visited_ > list("nodes").size())
       fail_in_file(bytes_.path(), "its nodes contain one another; the file is damaged");
-    const Json& node = list("nodes").at(index.get<std::size_t>());
+    const Json& node = list("nodes").at(whole_number(index));
     Vec3 at = above;
     if (const auto t = node.find("translation"); t != node.end())
       for (int k = 0; k < 3; ++k) at[k] += t->at(static_cast<std::size_t>(k)).get<double>();
@@ -53,15 +54,15 @@ class Scene {
     std::uint64_t times = 1;
     if (const auto instancing = "/extensions/EXT_mesh_gpu_instancing/attributes/TRANSLATION"_json_pointer;
         node.contains(instancing)) {
-      times = accessor(node.at(instancing)).at("count").get<std::uint64_t>();
+      times = whole_number(accessor(node.at(instancing)).at("count"));
       info_.instances += times;
       turned = true;
     }
-    for (const Json& primitive : list("meshes").at(node.at("mesh").get<std::size_t>()).at("primitives")) {
+    for (const Json& primitive : list("meshes").at(whole_number(node.at("mesh"))).at("primitives")) {
       const Json& position = accessor(primitive.at("attributes").at("POSITION"));
       const auto corners = primitive.contains("indices")
-                               ? accessor(primitive.at("indices")).at("count").get<std::uint64_t>()
-                               : position.at("count").get<std::uint64_t>();
+                               ? whole_number(accessor(primitive.at("indices")).at("count"))
+                               : whole_number(position.at("count"));
       info_.triangles += corners / 3 * times;
       if (!turned && position.contains("min") && position.contains("max"))
         for (const char* side : {"min", "max"}) {

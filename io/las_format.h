@@ -30,7 +30,7 @@ struct LasHeader {
   std::uint64_t point_count = 0;
   double scale[3] = {};
   double offset[3] = {};
-  std::string crs_wkt;  ///< WKT as stated, or "EPSG:n" from GeoTIFF keys
+  std::string crs_wkt;  ///< WKT as stated, or of GeoTIFF keys "EPSG:n", "EPSG:n+vertical" or the name
   std::vector<LasRecord> projection;
   std::string software;
   std::uint32_t chunk_points =

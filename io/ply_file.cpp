@@ -27,17 +27,6 @@ std::optional<PlyType> type_named(std::string_view word) {
   return std::nullopt;
 }
 
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
-  line = trimmed(line);
-  while (!line.empty()) {
-    const std::size_t stop = std::min(line.find_first_of(" \t"), line.size());
-    words.push_back(line.substr(0, stop));
-    line = trimmed(line.substr(stop));
-  }
-  return words;
-}
-
 }  // namespace
 
 std::size_t ply_width(PlyType type) {

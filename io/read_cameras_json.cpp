@@ -4,6 +4,7 @@
 #include "io/read_cameras.h"
 #include "io/view_files.h"
 
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <map>
@@ -23,7 +24,11 @@ struct Field {
   std::string where;  ///< "cameras.json: images[3].camera"
 
   [[noreturn]] void fail(const std::string& expected) const {
-    std::string found = value.dump(-1, ' ', true, Json::error_handler_t::replace);
+    const bool nested = value.is_structured() && std::any_of(value.begin(), value.end(),
+                                                             [](const Json& v) { return v.is_structured(); });
+    // What is nested however deep is not written out: the library would call itself as often.
+    std::string found = nested ? std::string(value.type_name()) + " of " + std::to_string(value.size())
+                               : value.dump(-1, ' ', true, Json::error_handler_t::replace);
     if (found.size() > 60) found = found.substr(0, 57) + "...";
     throw InputError(where + " = " + found + ": expected " + expected);
   }
@@ -152,6 +157,8 @@ ViewSet read_cameras_json(const std::filesystem::path& file, const ReadCamerasOp
     json = Json::parse(bytes.view());
   } catch (const Json::parse_error& error) {
     fail_at_byte(file, error.byte > 0 ? error.byte - 1 : 0, std::string("not JSON: ") + error.what());
+  } catch (const Json::exception& error) {  // a number that no double holds
+    fail_in_file(file, error.what());
   }
   const Field root{json, file.filename().string() + ":"};
   root.only(

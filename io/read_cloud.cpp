@@ -3,6 +3,7 @@
 
 #include "core/errors.h"
 #include "io/cloud_formats.h"
+#include "io/coordinate_limit.h"
 #include "io/text_numbers.h"
 
 #include <algorithm>
@@ -12,7 +13,6 @@
 namespace dendrofit {
 namespace {
 
-constexpr double kLargest = 1e9;  // metres: no place on Earth has larger coordinates
 constexpr std::array<std::string_view, 7> kNames = {"las", "laz", "ply", "pcd", "ptx", "e57", "xyz"};
 
 // A multiple of 100 m near the middle value of a sample, so that one stray first point does no harm.
@@ -63,9 +63,10 @@ CloudFormat cloud_format_of(const FileBytes& bytes) {
 void settle_cloud(const FileBytes& bytes, PointCloud& cloud) {
   if (cloud.empty()) fail_in_file(bytes.path(), "holds no points; is it the file you meant?");
   const Bounds bounds = bounds_of(cloud.points);
-  if (!(bounds.lo.cwiseAbs().maxCoeff() <= kLargest) || !(bounds.hi.cwiseAbs().maxCoeff() <= kLargest)) {
+  if (!(bounds.lo.cwiseAbs().maxCoeff() <= kLargestCoordinate) ||
+      !(bounds.hi.cwiseAbs().maxCoeff() <= kLargestCoordinate)) {
     std::size_t i = 0;
-    while (i + 1 < cloud.size() && cloud.points[i].cwiseAbs().maxCoeff() <= kLargest) ++i;
+    while (i + 1 < cloud.size() && cloud.points[i].cwiseAbs().maxCoeff() <= kLargestCoordinate) ++i;
     const Vec3& p = cloud.points[i];
     std::string where;
     for (int k = 0; k < 3; ++k) {

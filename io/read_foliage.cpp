@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/read_foliage.h"
 
+#include "io/coordinate_limit.h"
 #include "io/file_bytes.h"
+#include "io/json_numbers.h"
 
 #include <cmath>
 #include <vector>
@@ -42,11 +44,11 @@ class Glb {
   /// An accessor's numbers, `width` to an element.
   template <class Number>
   std::vector<Number> numbers(const Json& index, std::size_t width) const {
-    const Json& accessor = json_.at("accessors").at(index.get<std::size_t>());
-    const Json& view = json_.at("bufferViews").at(accessor.at("bufferView").get<std::size_t>());
+    const Json& accessor = json_.at("accessors").at(whole_number(index));
+    const Json& view = json_.at("bufferViews").at(whole_number(accessor.at("bufferView")));
     const std::uint64_t offset =
-        view.value("byteOffset", std::uint64_t{0}) + accessor.value("byteOffset", std::uint64_t{0});
-    const auto count = accessor.at("count").get<std::uint64_t>();
+        whole_number_or(view, "byteOffset", 0) + whole_number_or(accessor, "byteOffset", 0);
+    const auto count = whole_number(accessor.at("count"));
     if (count > data_size_ || offset > data_size_ || count * width * sizeof(Number) > data_size_ - offset)
       fail_in_file(bytes_.path(), "an accessor reaches past the binary chunk");
     std::vector<Number> out(count * width);
@@ -89,8 +91,7 @@ std::vector<Placed> instances_of(const Glb& glb, const Json& node) {
 }
 
 LeafShape shape_of(const Glb& glb, const Json& node) {
-  const Json& primitive =
-      glb.json().at("meshes").at(node.at("mesh").get<std::size_t>()).at("primitives").at(0);
+  const Json& primitive = glb.json().at("meshes").at(whole_number(node.at("mesh"))).at("primitives").at(0);
   LeafShape shape;
   const auto vertices = glb.numbers<float>(primitive.at("attributes").at("POSITION"), 3);
   for (std::size_t i = 0; i + 2 < vertices.size(); i += 3)
@@ -98,7 +99,7 @@ LeafShape shape_of(const Glb& glb, const Json& node) {
   const auto corners = glb.numbers<std::uint32_t>(primitive.at("indices"), 1);
   for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
     shape.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
-  shape.name = "shape " + std::to_string(node.at("mesh").get<std::size_t>() + 1);
+  shape.name = "shape " + std::to_string(whole_number(node.at("mesh")) + 1);
   return shape;
 }
 
@@ -125,6 +126,7 @@ Foliage read_foliage_glb(const std::filesystem::path& path) {
     const Json& nodes = glb.json().at("nodes");
     const Json& shift = nodes.at(0).at("translation");
     foliage.origin_shift = z_up(Vec3(shift.at(0), shift.at(1), shift.at(2)));
+    if (!is_place(foliage.origin_shift)) fail_in_file(path, "an origin beyond 1e9 m");
     std::vector<Placed> petioles;
     for (const Json& node : nodes) {
       const std::string name = node.value("name", "");
@@ -139,8 +141,9 @@ Foliage read_foliage_glb(const std::filesystem::path& path) {
         leaf.normal = p.z;
         leaf.length_m = p.scale.y();
         leaf.shape = static_cast<std::uint16_t>(foliage.shapes.size() - 1);
-        if (!leaf.origin.allFinite() || !leaf.normal.allFinite() || !(leaf.length_m > 0))
-          fail_in_file(path, "a leaf's place, turn or size is not a finite number");
+        if (!is_place(leaf.origin) || !leaf.normal.allFinite() || !leaf.direction.allFinite() ||
+            !(leaf.length_m > 0 && leaf.length_m <= kLargestCoordinate))
+          fail_in_file(path, "a leaf's place, turn or size is not a finite number up to 1e9 m");
         foliage.leaves.push_back(leaf);
       }
     }
@@ -156,7 +159,8 @@ Foliage read_foliage_glb(const std::filesystem::path& path) {
         if (corner >= shape.vertices.size())
           fail_in_file(path, "a leaf shape names a vertex that does not exist");
     for (const Vec3& v : shape.vertices)
-      if (!v.allFinite()) fail_in_file(path, "a leaf shape with a coordinate that is not a finite number");
+      if (!is_place(v))
+        fail_in_file(path, "a leaf shape with a coordinate that is not a finite number up to 1e9 m");
     if (shape.triangles.empty()) fail_in_file(path, "a leaf shape without triangles");
   }
   return foliage;

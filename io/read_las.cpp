@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/cloud_formats.h"
 #include "io/las_format.h"
+#include "io/las_projection.h"
 
 #include <algorithm>
 #include <array>
@@ -27,34 +28,8 @@ enum : std::uint64_t {  // byte offsets in the header
   kCount = 247
 };
 
-std::string printable(std::string_view text) {
-  text = text.substr(0, text.find('\0'));
-  std::string clean;
-  for (const char c : text) clean += static_cast<unsigned char>(c) >= 32 && c != 127 ? c : ' ';
-  while (!clean.empty() && clean.back() == ' ') clean.pop_back();
-  return clean;
-}
-
-// GeoTIFF key directory: the projected system's code, else the geographic one's.
-std::string epsg_of(std::string_view keys) {
-  const auto at = [&](std::size_t k) { return FileBytes::load<std::uint16_t>(keys.data() + 2 * k); };
-  if (keys.size() < 8) return {};
-  int projected = 0;
-  int geographic = 0;
-  const std::size_t count = std::min<std::size_t>(at(3), keys.size() / 8 - 1);
-  for (std::size_t k = 1; k <= count; ++k) {
-    const std::uint16_t id = at(4 * k);
-    const bool direct = at(4 * k + 1) == 0;
-    if (id == 3072 && direct) projected = at(4 * k + 3);
-    if (id == 2048 && direct) geographic = at(4 * k + 3);
-  }
-  const int code = projected > 0 && projected < 32767 ? projected : geographic;
-  return code > 0 && code < 32767 ? "EPSG:" + std::to_string(code) : std::string();
-}
-
 // One variable length record: `extended` ones have an 8 byte length. Returns the offset after it.
-std::uint64_t read_record(const FileBytes& bytes, std::uint64_t at, bool extended, LasHeader& header,
-                          std::string& epsg) {
+std::uint64_t read_record(const FileBytes& bytes, std::uint64_t at, bool extended, LasHeader& header) {
   const std::uint64_t head = extended ? 60 : 54;
   bytes.need(at, head, "variable length record");
   const std::uint64_t length = extended ? bytes.number<std::uint64_t>(at + 20, "record length")
@@ -63,11 +38,7 @@ std::uint64_t read_record(const FileBytes& bytes, std::uint64_t at, bool extende
   const std::string_view user = bytes.view().substr(at + 2, 16);
   const auto id = bytes.number<std::uint16_t>(at + 18, "record id");
   const std::string_view content = bytes.view().substr(at + head, length);
-  if (user.starts_with("LASF_Projection")) {
-    if (id == 2112 && header.crs_wkt.empty()) header.crs_wkt = printable(content);
-    if (id == 34735 && epsg.empty()) epsg = epsg_of(content);
-    header.projection.push_back({id, std::string(content)});
-  }
+  if (user.starts_with("LASF_Projection")) header.projection.push_back({id, std::string(content)});
   if (user.starts_with("laszip encoded") && id == 22204 && length >= 16)
     header.chunk_points = FileBytes::load<std::uint32_t>(content.data() + 12);
   return at + head + length;
@@ -128,19 +99,17 @@ LasHeader read_las_header(const FileBytes& bytes) {
     if (!std::isfinite(h.offset[k]) || std::abs(h.offset[k]) > 1e12)
       fail(kOffset + 8 * k, "offset " + std::to_string(h.offset[k]) + " found; expected metres");
   }
-  h.software = printable(bytes.view().substr(kSoftware, 32));
-  std::string epsg;
+  h.software = printable_text(bytes.view().substr(kSoftware, 32));
   const auto records = bytes.number<std::uint32_t>(kVlrCount, "number of records");
   std::uint64_t at = header_size;
-  for (std::uint32_t k = 0; k < records && at < h.points_offset; ++k)
-    at = read_record(bytes, at, false, h, epsg);
+  for (std::uint32_t k = 0; k < records && at < h.points_offset; ++k) at = read_record(bytes, at, false, h);
   if (h.minor == 4) {
     at = bytes.number<std::uint64_t>(kEvlrStart, "extended records");
     const auto extended = bytes.number<std::uint32_t>(kEvlrCount, "number of extended records");
     for (std::uint32_t k = 0; k < extended && at >= h.points_offset; ++k)
-      at = read_record(bytes, at, true, h, epsg);
+      at = read_record(bytes, at, true, h);
   }
-  if (h.crs_wkt.empty()) h.crs_wkt = epsg;
+  h.crs_wkt = crs_of(h.projection);
   return h;
 }
 

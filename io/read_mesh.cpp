@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/read_mesh.h"
 
+#include "io/coordinate_limit.h"
 #include "io/csv_table.h"
 #include "io/file_bytes.h"
 #include "io/ply_file.h"
@@ -42,8 +43,9 @@ TriangleMesh read_ply_mesh(const FileBytes& bytes) {
             if (p.name == "z") v.z() = value;
           }
         }
-        if (!v.allFinite())
-          cursor.fail("vertex " + std::to_string(i + 1) + " has a coordinate that is not a finite number");
+        if (!is_place(v))
+          cursor.fail("vertex " + std::to_string(i + 1) +
+                      " has a coordinate that is not a finite number up to 1e9 m");
         mesh.vertices.push_back(v);
       } else if (&e == face) {
         for (const PlyProperty& p : e.properties) {
@@ -95,6 +97,7 @@ TriangleMesh read_obj(const FileBytes& bytes) {
         if (!number_from(field, v[k]) || !std::isfinite(v[k]))
           fail_at_line(bytes.path(), line, shown(field) + " found, a coordinate expected");
       }
+      if (!is_place(v)) fail_at_line(bytes.path(), line, "a coordinate beyond 1e9 m; are its units metres?");
       mesh.vertices.push_back(v);
     } else if (kind == "f") {
       polygon.clear();

@@ -34,17 +34,6 @@ struct Header {
   }
 };
 
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
-  line = trimmed(line);
-  while (!line.empty()) {
-    const std::size_t stop = std::min(line.find_first_of(" \t"), line.size());
-    words.push_back(line.substr(0, stop));
-    line = trimmed(line.substr(stop));
-  }
-  return words;
-}
-
 Header read_header(const FileBytes& bytes) {
   const std::string_view view = bytes.view();
   Header h;

@@ -110,6 +110,17 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+std::vector<std::string_view> words_of(std::string_view line) {
+  std::vector<std::string_view> words;
+  line = trimmed(line);
+  while (!line.empty()) {
+    const std::size_t stop = std::min(line.find_first_of(" \t"), line.size());
+    words.push_back(line.substr(0, stop));
+    line = trimmed(line.substr(stop));
+  }
+  return words;
+}
+
 std::string lower(std::string_view text) {
   std::string result(text);
   for (char& c : result)

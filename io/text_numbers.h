@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace dendrofit {
 
@@ -26,6 +27,8 @@ void append_fixed(std::string& text, double value, int decimals);
 
 /// Without blanks, tabs and carriage returns on either side.
 std::string_view trimmed(std::string_view text);
+/// What stands between blanks and tabs, in order; the views look into `line`.
+std::vector<std::string_view> words_of(std::string_view line);
 /// ASCII letters in lower case.
 std::string lower(std::string_view text);
 

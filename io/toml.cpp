@@ -3,6 +3,7 @@
 
 #include "core/errors.h"
 #include "io/file_bytes.h"
+#include "io/json_text.h"
 #include "io/text_numbers.h"
 
 #include <algorithm>
@@ -15,18 +16,20 @@ namespace {
 
 class Flattener {
  public:
-  explicit Flattener(const std::string& name) : name_(name) {}
+  Flattener(const std::string& name, bool refuse_empty) : name_(name), refuse_empty_(refuse_empty) {}
 
   void table(const toml::table& table, const std::string& prefix) {
     for (const auto& [key, node] : table) {
       const std::string name =
           prefix.empty() ? std::string(key.str()) : prefix + "." + std::string(key.str());
       if (const auto* inner = node.as_table()) {
+        check_empty(*inner, "[" + name + "]");
         this->table(*inner, name);
       } else if (const auto* list = node.as_array(); list && !list->empty() && list->get(0)->is_table()) {
         for (std::size_t i = 0; i < list->size(); ++i) {
           const auto* entry = list->get(i)->as_table();
           if (!entry) fail(*list->get(i), name, "a table expected, as the entries before it");
+          check_empty(*entry, "[[" + name + "]]");
           this->table(*entry, name + "." + std::to_string(i));
         }
       } else {
@@ -40,6 +43,10 @@ class Flattener {
  private:
   [[noreturn]] void fail(const toml::node& node, const std::string& key, const std::string& what) const {
     throw IoError(name_ + ", line " + std::to_string(node.source().begin.line) + ": " + key + ": " + what);
+  }
+
+  void check_empty(const toml::table& table, const std::string& title) const {
+    if (refuse_empty_ && table.empty()) fail(table, title, "nothing in it; give it its keys or take it away");
   }
 
   double finite(const toml::node& node, const std::string& key) const {
@@ -76,7 +83,22 @@ class Flattener {
   }
 
   const std::string& name_;
+  bool refuse_empty_;
 };
+
+std::vector<TomlEntry> flatten(std::string_view text, const std::string& name, bool refuse_empty) {
+  try {
+    const toml::table table = toml::parse(text, name);
+    Flattener flattener(name, refuse_empty);
+    flattener.table(table, "");
+    std::stable_sort(flattener.entries.begin(), flattener.entries.end(),
+                     [](const TomlEntry& a, const TomlEntry& b) { return a.line < b.line; });
+    return std::move(flattener.entries);
+  } catch (const toml::parse_error& error) {
+    throw IoError(name + ", line " + std::to_string(error.source().begin.line) + ": " +
+                  std::string(error.description()));
+  }
+}
 
 [[noreturn]] void wrong_kind(const TomlEntry& entry, const std::string& where, const char* expected) {
   constexpr const char* kinds[] = {"true or false", "a whole number", "a number", "a text",
@@ -104,7 +126,7 @@ void append_value(std::string& text, double value) {
 void append_value(std::string& text, const std::string& value) {
   constexpr char digits[] = "0123456789ABCDEF";
   text += '"';
-  for (const char c : value) {
+  for (const char c : valid_utf8(value)) {
     const auto byte = static_cast<unsigned char>(c);
     if (c == '"' || c == '\\') {
       text += '\\';
@@ -134,22 +156,17 @@ void append_value(std::string& text, const std::vector<Value>& values) {
 }  // namespace
 
 std::vector<TomlEntry> parse_toml(std::string_view text, const std::string& name) {
-  try {
-    const toml::table table = toml::parse(text, name);
-    Flattener flattener(name);
-    flattener.table(table, "");
-    std::stable_sort(flattener.entries.begin(), flattener.entries.end(),
-                     [](const TomlEntry& a, const TomlEntry& b) { return a.line < b.line; });
-    return std::move(flattener.entries);
-  } catch (const toml::parse_error& error) {
-    throw IoError(name + ", line " + std::to_string(error.source().begin.line) + ": " +
-                  std::string(error.description()));
-  }
+  return flatten(text, name, false);
 }
 
 std::vector<TomlEntry> read_toml(const std::filesystem::path& path) {
   const FileBytes bytes(path);
   return parse_toml(bytes.view(), path.string());
+}
+
+std::vector<TomlEntry> read_toml_without_empty_tables(const std::filesystem::path& path) {
+  const FileBytes bytes(path);
+  return flatten(bytes.view(), path.string(), true);
 }
 
 double toml_number(const TomlEntry& entry, const std::string& where) {

@@ -28,6 +28,8 @@ struct TomlEntry {
 /// All entries in the order of their lines. Throws IoError "file, line N: ..." for what is not TOML, for a
 /// nested or mixed array, a date, or a number that is not finite.
 std::vector<TomlEntry> read_toml(const std::filesystem::path& path);
+/// The same where a table without keys says nothing and is a mistake: IoError "file, line N: [name] ...".
+std::vector<TomlEntry> read_toml_without_empty_tables(const std::filesystem::path& path);
 /// The same from text; `name` stands for the file in messages.
 std::vector<TomlEntry> parse_toml(std::string_view text, const std::string& name);
 

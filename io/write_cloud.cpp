@@ -4,6 +4,7 @@
 #include "core/atomic_file.h"
 #include "core/errors.h"
 #include "io/las_format.h"
+#include "io/las_projection.h"
 #include "io/text_numbers.h"
 
 #include <algorithm>
@@ -57,26 +58,6 @@ std::uint16_t las_intensity(const PointCloud& cloud, std::size_t i) {
   return static_cast<std::uint16_t>(std::min(std::round(cloud.intensity[i]), 65535.0f));
 }
 
-// "EPSG:n" as the GeoTIFF keys that say so: a projected system (or a geographic one, codes 4000 to 4999).
-std::string geo_keys(const std::string& crs) {
-  std::int64_t code = 0;
-  if (!crs.starts_with("EPSG:") || !integer_from(crs.substr(5), code) || code < 1 || code > 32766) return {};
-  const bool geographic = code >= 4000 && code < 5000;
-  const std::uint16_t keys[] = {1,
-                                1,
-                                0,
-                                2,
-                                1024,
-                                0,
-                                1,
-                                static_cast<std::uint16_t>(geographic ? 2 : 1),
-                                static_cast<std::uint16_t>(geographic ? 2048 : 3072),
-                                0,
-                                1,
-                                static_cast<std::uint16_t>(code)};
-  return {reinterpret_cast<const char*>(keys), sizeof(keys)};
-}
-
 // The given frame where every coordinate is a 32 bit multiple of its step; else one of our own.
 LasFrame frame_for(const PointCloud& cloud, const std::optional<LasFrame>& wanted) {
   const Bounds bounds = bounds_of(cloud.points);
@@ -94,11 +75,11 @@ LasFrame frame_for(const PointCloud& cloud, const std::optional<LasFrame>& wante
 }
 
 // The coordinate system's records: as they were, else made from the cloud's own words.
-std::vector<std::pair<std::uint16_t, std::string>> projection_records(const PointCloud& cloud,
-                                                                      const LasFrame& frame) {
-  if (!frame.projection.empty() || cloud.crs_wkt.empty()) return frame.projection;
-  if (const std::string keys = geo_keys(cloud.crs_wkt); !keys.empty()) return {{34735, keys}};
-  return {{2112, cloud.crs_wkt + '\0'}};
+std::vector<LasRecord> projection_records(const PointCloud& cloud, const LasFrame& frame) {
+  if (frame.projection.empty()) return projection_of(cloud.crs_wkt);
+  std::vector<LasRecord> records;
+  for (const auto& [id, content] : frame.projection) records.push_back({id, content});
+  return records;
 }
 
 void write_las(std::ostream& out, const PointCloud& cloud, const std::optional<LasFrame>& wanted,

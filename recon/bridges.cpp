@@ -15,6 +15,7 @@ constexpr std::size_t kBridgesPerPlace = 3;
 constexpr std::size_t kBridgesPerPart = 24;
 constexpr double kPlaceShare = 0.5;  // of a gap's width: bridges nearer to each other cross at one place
 constexpr std::size_t kMostCandidates = 2048;  // the nearest; gaps are crossed where they are narrow
+constexpr std::size_t kFirstLooks = 500, kMostLooks = 50'000;  // points of a group that look across gaps
 constexpr double kGapSpacings = 4;
 constexpr double kGapShare = 1.0;  // of a loose part's extent
 
@@ -94,7 +95,7 @@ std::vector<Bridge> bridge_gaps(const std::vector<Vec3>& points, const PointGrap
   }
   const Neighbors index(sample);
   Union groups(part_count);
-  std::vector<Neighbor> found;
+  std::vector<std::uint32_t> group(sample.size());
   std::vector<std::uint64_t> hopeless(part_count, 0);  // size at which a group found nothing within its reach
 
   for (int round = 0; round < 12; ++round) {
@@ -105,13 +106,12 @@ std::vector<Bridge> bridge_gaps(const std::vector<Vec3>& points, const PointGrap
     const auto largest =
         static_cast<std::uint32_t>(std::max_element(size.begin(), size.end()) - size.begin());
     std::vector<std::vector<std::uint32_t>> members(part_count);
-    for (std::uint32_t s = 0; s < sample.size(); ++s) {
-      const std::uint32_t g = groups.root(parts.part[sample_point[s]]);
-      if (g != largest) members[g].push_back(s);
-    }
     std::vector<Bounds> extent(part_count);
-    for (std::uint32_t s = 0; s < sample.size(); ++s)
-      extent[groups.root(parts.part[sample_point[s]])].add(sample[s]);
+    for (std::uint32_t s = 0; s < sample.size(); ++s) {
+      group[s] = groups.root(parts.part[sample_point[s]]);
+      if (group[s] != largest) members[group[s]].push_back(s);
+      extent[group[s]].add(sample[s]);
+    }
     bool joined = false;
     std::vector<Bridge> fresh;
     for (std::uint32_t g = 0; g < part_count; ++g) {
@@ -120,31 +120,22 @@ std::vector<Bridge> bridge_gaps(const std::vector<Vec3>& points, const PointGrap
       // Wood that is seen for a few centimetres only does not vouch for a gap of decimetres.
       const double widest = std::min(
           options.max_gap_m, kGapSpacings * graph.typical_spacing_m + kGapShare * extent[g].size().norm());
+      // Each point looks for its nearest neighbour of another group, first few to learn how far to look, then
+      // all: points in the middle of thick wood see across a gap later than thin wood beside them.
       std::vector<Bridge> candidates;
       double reach = widest;
-      // Points in the middle of thick wood have many neighbours of their own before they see across a gap
-      // that thin wood beside them sees at once: look on until each has seen as far as the gaps found ask
-      // for.
-      bool seen_all = false;
-      for (std::size_t k = 24; !seen_all && k <= 1536; k *= 8) {
-        seen_all = true;
-        // Big groups: look from few points first; their rim comes up again in later rounds.
-        const std::size_t stride = std::max<std::size_t>(1, members[g].size() * k / 400000);
+      for (const std::size_t looks : {kFirstLooks, kMostLooks}) {
+        const std::size_t stride = 1 + members[g].size() / looks;
         for (std::size_t m = 0; m < members[g].size(); m += stride) {
           const std::uint32_t s = members[g][m];
-          index.nearest(sample[s], k, found);
-          bool across = false;
-          for (const Neighbor& f : found) {
-            if (groups.root(parts.part[sample_point[f.index]]) == g) continue;
-            const double gap = std::sqrt(f.distance_squared);
-            if (gap <= widest) candidates.push_back({sample_point[s], sample_point[f.index], gap, gap});
-            across = true;
-            break;
-          }
-          seen_all = seen_all && (across || found.back().distance_squared > reach * reach);
+          const auto found =
+              index.nearest_where(sample[s], reach, [&](std::uint32_t i) { return group[i] != g; });
+          if (!found) continue;
+          const double gap = std::sqrt(found->distance_squared);
+          candidates.push_back({sample_point[s], sample_point[found->index], gap, gap});
+          reach = std::min(reach, 2 * gap + 2 * graph.typical_spacing_m);
         }
-        for (const Bridge& c : candidates) reach = std::min(reach, 2 * c.gap_m + 2 * graph.typical_spacing_m);
-        if (k >= sample.size()) break;
+        if (stride == 1) break;
       }
       if (candidates.empty()) {
         hopeless[g] = size[g];

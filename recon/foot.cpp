@@ -173,7 +173,7 @@ std::vector<Foot> find_feet(const std::vector<Vec3>& points, const PointGraph& g
   constexpr double kSteepest = 1.0;     // sideways a metre of height: a stem may lean 45 degrees
   if (points.size() < 20)
     throw SolverError("too few points for a tree: " + std::to_string(points.size()) +
-                      " are left after cleaning, at least 20 are needed");
+                      " are left after cleaning, at least 20 are needed; give the whole tree, in metres");
   double top = 0, lowest = 1e300;
   lowest = 0;  // strays below do not count
   for (const double h : height) top = std::max(top, h);

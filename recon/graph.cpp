@@ -62,6 +62,12 @@ PointGraph neighbor_graph(const std::vector<Vec3>& points, const GraphOptions& o
   // The sparser end of a link decides how long it may be, but never less than the scan's usual spacing
   // allows.
   const auto usual = static_cast<float>(graph.typical_spacing_m);
+  const auto names = [&](std::size_t who, std::size_t whom) {  // among its nearest
+    const std::uint32_t *row = nearest.data() + who * k, sought = static_cast<std::uint32_t>(whom);
+    unsigned hits = 0;
+    for (std::size_t j = 0; j < k; ++j) hits += row[j] == sought;
+    return hits > 0;
+  };
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i * k; j < (i + 1) * k && nearest[j] != Paths::kNone; ++j) {
       const std::uint32_t v = nearest[j];
@@ -69,7 +75,7 @@ PointGraph neighbor_graph(const std::vector<Vec3>& points, const GraphOptions& o
           kLinkSpacings * std::clamp(std::min(graph.spacing[i], graph.spacing[v]), usual, kSparsest * usual);
       if ((points[i] - points[v]).squaredNorm() <= limit * limit) {
         ++graph.first[i + 1];
-        ++graph.first[v + 1];
+        if (!names(v, i)) ++graph.first[v + 1];
       } else {
         nearest[j] = static_cast<std::uint32_t>(i);
       }
@@ -81,7 +87,7 @@ PointGraph neighbor_graph(const std::vector<Vec3>& points, const GraphOptions& o
     for (std::size_t j = i * k; j < (i + 1) * k && nearest[j] != Paths::kNone; ++j) {
       if (nearest[j] == i) continue;
       graph.to[fill[i]++] = nearest[j];
-      graph.to[fill[nearest[j]]++] = static_cast<std::uint32_t>(i);
+      if (!names(nearest[j], i)) graph.to[fill[nearest[j]]++] = static_cast<std::uint32_t>(i);
     }
   progress.end();
   return graph;
@@ -143,10 +149,9 @@ Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
     heading[s] = Eigen::Vector3f::Zero();
     queue.push({0.0f, s});
   }
-  const auto relax = [&](std::uint32_t u, std::uint32_t v, double c) {
+  const auto relax = [&](std::uint32_t u, std::uint32_t v, float h, double c) {
     const Eigen::Vector3f step = (points[v] - points[u]).cast<float>();
     const float length = step.norm();
-    const float h = heading[u].norm();
     if (h > 0 && length > 0) {
       const float cosine = heading[u].dot(step) / (h * length);
       c *= 1 + kTurnWeight * (1 - cosine);
@@ -172,12 +177,13 @@ Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
       progress.check();
       progress.advance(65536);
     }
+    const float h = heading[u].norm();
     for (const std::uint32_t v : graph.of(u))
-      if (!done[v]) relax(u, v, step_cost((points[v] - points[u]).norm(), scale));
+      if (!done[v]) relax(u, v, h, step_cost((points[v] - points[u]).norm(), scale));
     auto it = std::lower_bound(crossings.begin(), crossings.end(), u,
                                [](const auto& e, std::uint32_t value) { return e.first < value; });
     for (; it != crossings.end() && it->first == u; ++it)
-      if (!done[it->second.first]) relax(u, it->second.first, it->second.second);
+      if (!done[it->second.first]) relax(u, it->second.first, h, it->second.second);
   }
   progress.end();
   return paths;

@@ -18,8 +18,8 @@ struct GraphOptions {
   void validate() const;
 };
 
-/// Undirected links between points (compressed rows; a link may be listed twice), none longer than a few
-/// times the points' spacing.
+/// Undirected links between points (compressed rows, each link once a row), none longer than a few times the
+/// points' spacing.
 struct PointGraph {
   std::vector<std::size_t> first;  ///< size() + 1 row starts
   std::vector<std::uint32_t> to;   ///< linked points, row by row

@@ -11,6 +11,7 @@ namespace dendrofit {
 namespace {
 
 constexpr double k95 = 1.96;
+constexpr double kAllRound = 0.8;       // share of the girth that an ellipse needs
 constexpr double kCommonShare = 0.012;  // of every radius: sections are no circles
 constexpr double kCommonNoise = 0.25;   // of the noise: what its correction may be off by
 
@@ -80,8 +81,16 @@ std::optional<SliceDiameter> slice_of(const std::vector<Vec3>& points, const Lim
       std::abs(fit.radius - node.radius_m) > 0.3 * node.radius_m || fit.radius < 2 * noise)
     return std::nullopt;
   const double radius = fit.radius - std::min(fit.rms * fit.rms, noise * noise) / (2 * fit.radius);
-  return SliceDiameter{2 * radius, 2 * fit.radius_se, fit.coverage,
-                       slice_scatter(points, limb, middle, direction, fit, about)};
+  SliceDiameter slice{2 * radius, 2 * fit.radius_se, fit.coverage,
+                      slice_scatter(points, limb, middle, direction, fit, about)};
+  if (fit.coverage >= kAllRound) {
+    const double near = 3 * std::max(about, fit.rms);
+    std::erase_if(flat, [&](const Eigen::Vector2d& p) {
+      return std::abs((p - fit.centre).norm() - fit.radius) > near;
+    });
+    slice.ellipse = fit_ellipse(flat);
+  }
+  return slice;
 }
 
 }  // namespace

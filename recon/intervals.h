@@ -4,6 +4,7 @@
 
 #include "core/metrics.h"
 #include "core/types.h"
+#include "recon/ellipse_fit.h"
 #include "recon/skeleton.h"
 
 #include <optional>
@@ -17,6 +18,7 @@ struct SliceDiameter {
   double se_m = 0;
   double coverage = 0;   ///< share of the circle's sectors that hold points
   double scatter_m = 0;  ///< of the diameters of five slices about that height, off their line (0: too few)
+  std::optional<EllipseFit> ellipse = std::nullopt;  ///< where the stem is seen nearly all round
 };
 
 /// Robust circle through the stem's points within 10 cm (sparse scans: up to 30 cm) of height z (local), seen

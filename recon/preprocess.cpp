@@ -20,10 +20,13 @@
 namespace dendrofit {
 namespace {
 
-// Local coordinates live on a grid of 0.1 mm, cut where no decimal fraction lies, so that moving the cloud to
-// map coordinates (whose last bit is a nanometre) changes next to no bit of them.
-constexpr double kGrid = 1e-4;
-constexpr double kCut = 0.5771;
+// Raw points go to a lattice of whole steps from the cloud's own corner before anything looks at them; all
+// later arithmetic starts from these integers. A map coordinate's last bit is a nanometre at most, so a moved
+// cloud gives the same integers unless a point lies that close to a cut: never where its coordinates are
+// decimal fractions down to 10 nm (the cut is none), and for others, the coarser the lattice the rarer.
+constexpr double kStep_m = 0.001;         // a third of what good scanners scatter
+constexpr std::int64_t kFewestSteps = 4;  // a voxel
+constexpr double kCut = 0.51234567;
 
 std::uint64_t spread_bits(std::uint64_t v) {
   v &= 0x1fffff;
@@ -34,18 +37,30 @@ std::uint64_t spread_bits(std::uint64_t v) {
   return (v | v << 2) & 0x1249249249249249ULL;
 }
 
-std::uint64_t morton(const Vec3& p, double cell) {
-  return spread_bits(static_cast<std::uint64_t>(p.x() / cell)) |
-         spread_bits(static_cast<std::uint64_t>(p.y() / cell)) << 1 |
-         spread_bits(static_cast<std::uint64_t>(p.z() / cell)) << 2;
-}
+/// A cloud's lattice, and the voxels as blocks of it.
+struct Lattice {
+  Vec3 corner;
+  std::int64_t steps;  // a voxel's side
+  double step_m;
 
-double on_grid(double x) {
-  return std::floor(x / kGrid + kCut) * kGrid;
-}
-Vec3 on_grid(const Vec3& p) {
-  return {on_grid(p.x()), on_grid(p.y()), on_grid(p.z())};
-}
+  Lattice(const Vec3& low, double voxel_m)
+      : corner(low),
+        steps(std::max(kFewestSteps, static_cast<std::int64_t>(std::ceil(voxel_m / kStep_m)))),
+        step_m(voxel_m / static_cast<double>(steps)) {}
+  using Place = std::array<std::int64_t, 3>;
+  Place of(const Vec3& p) const {
+    const auto along = [&](int axis) {
+      return static_cast<std::int64_t>(std::floor((p[axis] - corner[axis]) / step_m + kCut));
+    };
+    return {along(0), along(1), along(2)};
+  }
+  std::uint64_t morton_voxel(const Place& at) const {
+    const auto along = [&](std::size_t axis) {
+      return spread_bits(static_cast<std::uint64_t>(at[axis] / steps)) << axis;
+    };
+    return along(0) | along(1) | along(2);
+  }
+};
 
 /// The lowest believable height of each plan cell: the third lowest point, so that two stray points cannot
 /// lower it.
@@ -146,19 +161,22 @@ CleanScan clean_scan(const PointCloud& cloud, const PreprocessOptions& options, 
   const double voxel = std::max(options.voxel_size_m, bounds.size().maxCoeff() / 2.0e6);
   clean.origin_shift = cloud.origin_shift + bounds.lo;
 
+  const Lattice lattice(bounds.lo, voxel);
   std::vector<KeyedIndex> order(cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i)
-    order[i] = {morton(on_grid(cloud.points[i] - bounds.lo) + Vec3::Constant(0.25 * kGrid), voxel),
-                static_cast<std::uint32_t>(i)};
+    order[i] = {lattice.morton_voxel(lattice.of(cloud.points[i])), static_cast<std::uint32_t>(i)};
   progress.check();
   radix_sort(order);
   progress.check();
   for (std::size_t i = 0; i < order.size();) {
-    Vec3 sum = Vec3::Zero();
+    Lattice::Place sum{};
     std::size_t j = i;
-    for (; j < order.size() && order[j].key == order[i].key; ++j)
-      sum += on_grid(cloud.points[order[j].index] - bounds.lo);
-    clean.points.push_back(on_grid(sum / static_cast<double>(j - i)));
+    for (; j < order.size() && order[j].key == order[i].key; ++j) {
+      const Lattice::Place at = lattice.of(cloud.points[order[j].index]);
+      for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] += at[axis];
+    }
+    const double scale = lattice.step_m / static_cast<double>(j - i);
+    clean.points.push_back(scale * Vec3(double(sum[0]), double(sum[1]), double(sum[2])));
     clean.source.push_back(order[i].index);
     i = j;
   }

@@ -21,7 +21,7 @@ struct PreprocessOptions {
 /// A scan's points in order of a space-filling curve, so that neighbours in space are neighbours in memory.
 struct CleanScan {
   Vec3 origin_shift = Vec3::Zero();   ///< world = origin_shift + local
-  std::vector<Vec3> points;           ///< metres, local, near zero, on a grid of 0.1 mm
+  std::vector<Vec3> points;           ///< metres, local, near zero
   std::vector<std::uint32_t> source;  ///< one raw point of each merged group
   std::size_t raw_points = 0;
 };

@@ -20,6 +20,8 @@
 #include <cmath>
 #include <ctime>
 
+#include <Eigen/Eigenvalues>
+
 namespace dendrofit {
 namespace {
 
@@ -43,18 +45,39 @@ class StageClock {
   std::clock_t cpu_ = 0;
 };
 
-/// Keeps the raw points `leaves` of the cloud as they are, counts them by height, and says so.
+/// Keeps the raw points `leaves` of the cloud as they are, and says so.
 void set_leaves_aside(const PointCloud& cloud, const std::vector<std::uint32_t>& leaves, std::size_t reached,
                       Reconstruction& result) {
   std::vector<char> keep(cloud.size(), 0);
   for (const std::uint32_t i : leaves) keep[i] = 1;
   result.leaf_points = cloud.subset(keep);
-  result.leaf_profile =
-      leaf_layers(result.leaf_points.points, result.foot.z() - result.leaf_points.origin_shift.z());
   result.wood_share = 1 - static_cast<double>(leaves.size()) / static_cast<double>(reached);
   result.warnings.push_back(
       "the tree bears leaves: " + std::to_string(std::lround(100 * (1 - result.wood_share))) +
       " % of its points were set aside; twigs hidden in the foliage are missing");
+}
+
+/// Throws SolverError where all points lie on one line: nothing there has a surface.
+void refuse_a_line(const std::vector<Vec3>& points) {
+  constexpr double kThinnest_m = 0.002;  // root mean square distance from the line
+  if (points.empty()) return;
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
+  Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
+  for (const Vec3& p : points) square += (p - mean) * (p - mean).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(square / static_cast<double>(points.size()),
+                                                            Eigen::EigenvaluesOnly);
+  if (std::sqrt(std::max(0.0, axes.eigenvalues()[1])) < kThinnest_m && points.size() >= 20)
+    throw SolverError(
+        "all points lie on one line, wood has a surface: is this a cable, a single scan line, or a cloud "
+        "with "
+        "a column missing? Check the columns (--columns) and give the whole tree");
+}
+
+std::vector<Vec3> in_frame_of(const Tree& tree, const PointCloud& cloud) {
+  std::vector<Vec3> points = cloud.points;
+  for (Vec3& p : points) p += cloud.origin_shift - tree.origin_shift;
+  return points;
 }
 
 }  // namespace
@@ -78,6 +101,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   CleanScan scan = clean_scan(cloud, preprocess, progress);
   result.raw_points = scan.raw_points;
   result.clean_points = scan.points.size();
+  refuse_a_line(scan.points);
   clock.mark("clean");
 
   const Ground ground = find_ground(scan.points, preprocess);
@@ -158,13 +182,25 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
 
   result.tree = build_tree(limbs, tree_feet, scan.origin_shift);
   if (result.tree.empty()) throw SolverError("no wood could be followed from the stem's foot upwards");
-  result.metrics = measure(result.tree, MetricsOptions{.dbh_height_m = options.dbh_height_m});
+  const std::vector<Vec3> foliage = in_frame_of(result.tree, result.leaf_points);
+  result.metrics = measure(result.tree, MetricsOptions{.dbh_height_m = options.dbh_height_m}, foliage);
   result.metrics.wood_share = result.wood_share;
+  result.metrics.leaf_profile = leaf_layers(foliage, tree_feet.front().position.z());
+  if (result.leaf_on)
+    result.metrics.height_m =
+        height_in_leaf(result.metrics.height_m, foliage, tree_feet.front().position.z());
+  seeing.noise_m = result.noise_m;
+  SubsampleOptions halves{.seed = options.seed, .seeing = seeing, .radii = radius_options};
   std::optional<SliceDiameter> breast_height;
   if (result.metrics.dbh_m) {
     const double breast = tree_feet.front().position.z() + options.dbh_height_m;
+    halves.breast_z_m = breast;
     const std::optional<SliceDiameter> slice = slice_diameter(scan.points, limbs, breast, result.noise_m);
-    if (slice) result.metrics.dbh_m = slice->diameter_m;
+    if (slice) {
+      result.metrics.dbh_m = slice->diameter_m;
+      result.metrics.dbh_coverage = slice->coverage;
+      if (slice->ellipse) result.metrics.dbh_ellipse_m = {slice->ellipse->longest, slice->ellipse->shortest};
+    }
     if (slice && slice->coverage < 0.6)
       result.warnings.push_back("the stem at breast height is seen from one side: its diameter rests on " +
                                 std::to_string(static_cast<int>(std::lround(100 * slice->coverage))) +
@@ -173,10 +209,14 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
       result.warnings.push_back("no clear circle at breast height: the diameter there is interpolated");
     breast_height = slice;
   }
-  estimate_scan_intervals(result.tree, breast_height, how_well_seen(limbs, result.leaf_on), result.noise_m,
-                          graph.typical_spacing_m, result.metrics);
-  for (const Section& s : sections) result.bridged_gaps += s.after_gap;
   clock.mark("tree");
+
+  Visibility seen = how_well_seen(limbs, result.leaf_on);
+  seen.spread = subsample(scan.points, limbs, sights, halves, progress);
+  estimate_scan_intervals(result.tree, breast_height, seen, result.noise_m, graph.typical_spacing_m,
+                          result.metrics);
+  for (const Section& s : sections) result.bridged_gaps += s.after_gap;
+  clock.mark("intervals");
   return result;
 }
 

@@ -38,9 +38,8 @@ struct StageTime {
 struct Reconstruction {
   Tree tree;  ///< connected; its origin shift is the cloud's, moved to the scan's corner
   TreeMetrics metrics;
-  PointCloud leaf_points;               ///< taken for foliage; empty on a leaf-off scan
-  std::vector<LeafLayer> leaf_profile;  ///< their number by height
-  std::vector<std::string> warnings;    ///< what a forester should know about this result
+  PointCloud leaf_points;             ///< taken for foliage; empty on a leaf-off scan
+  std::vector<std::string> warnings;  ///< what a forester should know about this result
   std::vector<StageTime> stages;
 
   Vec3 foot = Vec3::Zero();  ///< world position of the first stem's foot

@@ -151,8 +151,9 @@ Tree settle_on_views(Tree tree, const Work& work, const ViewsOptions& options, V
     if (round == 0) result.shadows = carved - tree.size();
     centre_on_views(tree, sight(kReachPx));
     settle_radii_from_views(tree, sight(0.5 * kReachPx));
-    if (round == 0) extend_tips(tree, work.cameras, work.outlines);
+    if (round == 0) extend_tips(tree, work.cameras, work.outlines, options.cloud.threads);
   }
+  extend_tips(tree, work.cameras, work.outlines, options.cloud.threads);
   assign_axes_by_thickness(tree);
   return tree;
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 namespace dendrofit {
@@ -64,17 +65,24 @@ double other_heir(const Tree& tree, double rival) {
   return most;
 }
 
+// Leaf blades are 4 to 15 cm long and mostly stand off the shoot at an angle.
+constexpr double kHalfLeaf_m = 0.03, kLeaf_m = 0.12;
+constexpr double kInLeaf = 0.12;  // relative, of branch volume among leaves
+
 Doubt doubt_of_stem(const Part& stem, const Visibility& seen) {
   const double one_sided = 1 - seen.stem_coverage;
   const double settled = std::max(0.0, stem.by_radius_se - kSettled * stem.volume);
   const double both = std::hypot(0.013 * stem.volume, 0.06 * stem.by_noise,
-                                 std::hypot(0.15 * one_sided * one_sided * stem.volume, 0.5 * settled));
+                                 std::hypot(0.15 * one_sided * one_sided * stem.volume, 0.5 * settled,
+                                            seen.spread.stem_share * stem.volume));
   return {both, both + 0.3 * seen.gap_share * stem.volume};
 }
 
 Doubt doubt_of_branches(const Part& branches, const Visibility& seen) {
-  const double both = std::hypot(0.05 * branches.volume, 0.10 * branches.by_noise,
-                                 0.5 * seen.unmeasured_share * branches.volume);
+  const double both =
+      std::hypot(0.05 * branches.volume, 0.10 * branches.by_noise,
+                 branches.volume * std::hypot(0.5 * seen.unmeasured_share, seen.spread.branch_share,
+                                              seen.in_leaf ? kInLeaf : 0));
   const double hidden = 1.2 * std::max(0.0, 0.85 - seen.stem_coverage) + seen.gap_share;
   return {both, both + hidden * branches.volume};
 }
@@ -111,19 +119,31 @@ Visibility how_well_seen(const std::vector<Limb>& limbs, bool in_leaf) {
   return seen;
 }
 
+double height_in_leaf(double wood_top_m, const std::vector<Vec3>& foliage, double foot_z_m) {
+  if (foliage.size() < 3) return wood_top_m;
+  std::vector<double> z;
+  z.reserve(foliage.size());
+  for (const Vec3& p : foliage) z.push_back(p.z());
+  std::nth_element(z.begin(), z.begin() + 2, z.end(), std::greater<>());
+  return std::max(wood_top_m, z[2] - foot_z_m - kHalfLeaf_m);
+}
+
 void estimate_scan_intervals(const Tree& tree, const std::optional<SliceDiameter>& breast_height,
                              const Visibility& seen, double noise_m, double spacing_m, TreeMetrics& metrics) {
   if (metrics.dbh_m) {
     const double d = *metrics.dbh_m;
     const double se =
         breast_height ? std::hypot(breast_height->se_m / std::sqrt(std::max(0.1, breast_height->coverage)),
-                                   breast_height->scatter_m, std::hypot(0.2 * noise_m, 0.004 * d))
+                                   std::hypot(breast_height->scatter_m, seen.spread.dbh_m),
+                                   std::hypot(0.2 * noise_m, 0.004 * d))
                       : std::hypot(0.15 * d, noise_m);
     metrics.intervals["dbh_m"] = about(d, se, se);
   }
-  const double hidden_tip = seen.in_leaf ? 0.035 * metrics.height_m : 0;
-  metrics.intervals["height_m"] = about(metrics.height_m, 0.006 + 0.5 * (spacing_m + noise_m),
-                                        0.008 + 2 * spacing_m + 0.5 * noise_m + hidden_tip);
+  const double leaf = seen.in_leaf ? 0.5 * kLeaf_m : 0;
+  const double spread = 0.5 * seen.spread.height_m;
+  metrics.intervals["height_m"] =
+      about(metrics.height_m, std::hypot(0.006 + 0.5 * (spacing_m + noise_m), leaf, spread),
+            std::hypot(0.008 + 2 * spacing_m + 0.5 * noise_m, leaf, spread));
   const Part stem = part_of(tree, true, noise_m), branches = part_of(tree, false, noise_m);
   const Doubt of_stem = doubt_of_stem(stem, seen), of_branches = doubt_of_branches(branches, seen);
   // Seen from one side, thicknesses compare badly.

@@ -5,6 +5,7 @@
 #include "core/neighbors.h"
 #include "recon/cell_maxima.h"
 #include "recon/path_evidence.h"
+#include "recon/trunk_wood.h"
 
 #include <algorithm>
 #include <array>
@@ -199,6 +200,7 @@ WoodLeaf separate_leaves(const std::vector<Vec3>& points, const PointGraph& grap
     const double within = std::clamp(widest, least, std::max(least, kWidest_m));
     if (found.front().distance_squared <= within * within) result.leaf[u] = 0;
   }
+  keep_round_bole(points, paths, spacing, result.leaf);
   return result;
 }
 
@@ -225,21 +227,6 @@ std::vector<std::uint32_t> take_out_leaves(CleanScan& scan, const Paths& paths, 
   scan.points = std::move(wood.points);
   scan.source = std::move(wood.source);
   return leaves;
-}
-
-std::vector<LeafLayer> leaf_layers(const std::vector<Vec3>& leaves, double foot_z) {
-  constexpr double kDepth_m = 0.5;
-  std::vector<LeafLayer> layers;
-  if (leaves.empty()) return layers;
-  const auto layer = [&](const Vec3& p) { return static_cast<int>(std::floor((p.z() - foot_z) / kDepth_m)); };
-  int lowest = layer(leaves.front()), highest = lowest;
-  for (const Vec3& p : leaves) {
-    lowest = std::min(lowest, layer(p));
-    highest = std::max(highest, layer(p));
-  }
-  for (int k = lowest; k <= highest; ++k) layers.push_back({k * kDepth_m, (k + 1) * kDepth_m, 0});
-  for (const Vec3& p : leaves) ++layers[static_cast<std::size_t>(layer(p) - lowest)].points;
-  return layers;
 }
 
 }  // namespace dendrofit

@@ -47,14 +47,4 @@ WoodLeaf separate_leaves(const std::vector<Vec3>& points, const PointGraph& grap
 std::vector<std::uint32_t> take_out_leaves(CleanScan& scan, const Paths& paths, const WoodLeaf& verdict,
                                            std::vector<Foot>& feet);
 
-/// Leaf points in a layer of the crown.
-struct LeafLayer {
-  double from_m = 0;  ///< above the foot
-  double to_m = 0;
-  std::size_t points = 0;
-};
-
-/// Layers of half a metre from the lowest leaf to the highest.
-std::vector<LeafLayer> leaf_layers(const std::vector<Vec3>& leaves, double foot_z);
-
 }  // namespace dendrofit

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/report/html.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -83,6 +84,14 @@ std::string number(double value) {
 
 std::string number(const std::optional<double>& value) {
   return value ? number(*value) : kDash;
+}
+
+std::string measured(double value) {
+  if (!std::isfinite(value)) return kDash;
+  const double size = std::abs(value);
+  // 9.996 is 10.0: what rounding makes of it counts.
+  const double magnitude = size > 0 ? std::floor(std::log10(size * (1 + 5e-4))) : 0;
+  return fixed(value, static_cast<int>(std::clamp(2 - magnitude, 0.0, 9.0)));
 }
 
 std::string fixed(double value, int decimals) {

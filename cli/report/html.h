@@ -19,6 +19,9 @@ std::string quote_json(std::string_view text);
 /// Four significant digits without trailing zeros; "–" for what is not finite.
 std::string number(double value);
 std::string number(const std::optional<double>& value);
+/// Three significant digits, zeros at the end kept, and never fewer than the whole number has: 6.20, 0.0512,
+/// 4958; "–" for what is not finite.
+std::string measured(double value);
 /// `decimals` digits after the point; "–" for what is not finite.
 std::string fixed(double value, int decimals);
 /// A JSON number; null for what is not finite.

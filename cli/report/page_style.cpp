@@ -39,12 +39,13 @@ figcaption { font-weight: 600; margin-bottom: 4px; }
 .scroll { overflow-x: auto; margin: 0 0 14px; }
 table { border-collapse: collapse; width: 100%; background: var(--card); font-size: .93rem; }
 caption { text-align: left; font-weight: 600; padding: 2px 0 6px; background: var(--paper); }
-th, td { text-align: left; padding: 6px 10px; border-bottom: 1px solid var(--line); vertical-align: top; overflow-wrap: anywhere; }
+th, td { text-align: left; padding: 6px 10px; border-bottom: 1px solid var(--line); vertical-align: top; overflow-wrap: break-word; }
 thead th { color: var(--quiet); font-weight: 600; border-bottom: 2px solid var(--line); }
 tbody th { font-weight: 500; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
 td .quiet { white-space: nowrap; font-size: .86rem; }
 .flag { color: var(--warn); font-weight: 600; white-space: nowrap; }
+#plot-parameters { grid-column: 1 / -1; max-width: 620px; }
 .picture img { width: auto; max-width: 100%; height: auto; max-height: 960px; margin: 0 auto; display: block; border: 1px solid var(--line); border-radius: 8px; background: var(--paper); }
 code { font: .88em ui-monospace, "DejaVu Sans Mono", Consolas, monospace; overflow-wrap: anywhere; }
 tbody th code { overflow-wrap: normal; }
@@ -75,7 +76,8 @@ footer { color: var(--quiet); font-size: .86rem; padding-top: 26px; padding-bott
   table.cards thead { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
   table.cards tr { display: block; border-bottom: 1px solid var(--line); padding: 6px 0; }
   table.cards th, table.cards td { display: flex; justify-content: space-between; gap: 14px; border: 0; padding: 2px 10px; text-align: right; }
-  table.cards tbody th { font-weight: 600; text-align: left; }
+  table.cards tbody th { display: block; font-weight: 600; text-align: left; }
+  table.cards td:has(> span:empty) { display: none; }
   table.cards td::before { content: attr(data-name); color: var(--quiet); text-align: left; flex: none; max-width: 50%; }
 }
 @media print {
@@ -85,10 +87,14 @@ footer { color: var(--quiet); font-size: .86rem; padding-top: 26px; padding-bott
   #view { display: none; }
   h2 { break-after: avoid; }
   .plots { grid-template-columns: 1fr 1fr; gap: 8px; }
-  .facts { grid-template-columns: repeat(5, 1fr); gap: 6px; }
+  .facts { grid-template-columns: repeat(4, 1fr); gap: 6px; }
   .facts b { font-size: 1.1rem; }
   .scroll table { font-size: 9.5pt; }
-  th, td { padding: 3px 8px; }
+  th, td { padding: 3px 6px; }
+  #table-parameters { font-size: 8.5pt; }
+  #table-parameters td:nth-child(2) { min-width: 9em; }
+  td.n, .flag { white-space: normal; }
+  thead { display: table-header-group; }
   .plot, .facts li, .warnings { break-inside: avoid; }
   tr { break-inside: avoid; }
   .scroll { overflow: visible; }

@@ -5,6 +5,7 @@
 #include "cli/report/distributions.h"
 #include "cli/report/html.h"
 #include "cli/report/svg_plot.h"
+#include "cli/report/tables.h"
 
 #include <algorithm>
 #include <cmath>
@@ -86,23 +87,25 @@ std::string taper(const ReportData& data) {
 }
 
 std::string volumes(const ReportData& data, bool by_order) {
+  const VolumeUnit unit = volume_unit(data);
   SvgPlot plot(by_order ? "Volume by branch order" : "Volume by diameter class",
-               by_order ? "branch order (0 = stem)" : "diameter (cm)", "volume (litres)");
+               by_order ? "branch order (0 = stem)" : "diameter (cm)",
+               std::string("volume (") + unit.words + ")");
   std::size_t classes = 1;
   for (const TreeMetrics* metrics : {data.model_metrics, data.regrown_metrics})
     if (metrics) classes = std::max(classes, metrics->volume_by_diameter_class_m3.size());
   const std::size_t merged = by_order ? 1 : (classes + 14) / 15;  // 2 cm classes a bar
-  const auto litres = [&](const TreeMetrics& metrics) {
+  const auto in_unit = [&](const TreeMetrics& metrics) {
     const std::vector<double>& fine =
         by_order ? metrics.volume_by_order_m3 : metrics.volume_by_diameter_class_m3;
     std::vector<double> values((fine.size() + merged - 1) / merged, 0.0);
-    for (std::size_t i = 0; i < fine.size(); ++i) values[i / merged] += 1000 * fine[i];
+    for (std::size_t i = 0; i < fine.size(); ++i) values[i / merged] += unit.per_m3 * fine[i];
     return values;
   };
   std::size_t count = 0;
   for (const TreeMetrics* metrics : {data.model_metrics, data.regrown_metrics}) {
     if (!metrics) continue;
-    const std::vector<double> values = litres(*metrics);
+    const std::vector<double> values = in_unit(*metrics);
     count = std::max(count, values.size());
     plot.bars(values, metrics == data.model_metrics ? kScanStyle : kRegrownStyle,
               metrics == data.model_metrics ? "scan" : "regrown");

@@ -36,9 +36,11 @@ struct Buffer {
   }
 };
 
-/// First and last pixel whose centre may lie in [lo, hi], within [0, size).
+/// First and last pixel whose centre may lie in [lo, hi], within [0, size); none where either is not a
+/// number.
 std::array<int, 2> pixel_span(float lo, float hi, int size) {
   const float limit = static_cast<float>(size);
+  if (!(lo <= hi)) return {0, -1};  // not a number: none
   return {static_cast<int>(std::clamp(std::ceil(lo - 0.5f), 0.0f, limit)),
           static_cast<int>(std::clamp(std::floor(hi - 0.5f), -1.0f, limit - 1))};
 }
@@ -47,7 +49,7 @@ void draw_triangle(const std::array<Vector3f, 3>& p, std::uint32_t id, Buffer& b
   const Vector3f e1 = p[1] - p[0];
   const Vector3f e2 = p[2] - p[0];
   const float area = e1.x() * e2.y() - e1.y() * e2.x();
-  if (area == 0) return;
+  if (area == 0 || !std::isfinite(area)) return;
   const auto [left, right] = pixel_span(std::min({p[0].x(), p[1].x(), p[2].x()}),
                                         std::max({p[0].x(), p[1].x(), p[2].x()}), buffer.width);
   const auto [top, bottom] = pixel_span(std::min({p[0].y(), p[1].y(), p[2].y()}),
@@ -102,6 +104,35 @@ void draw_all(const Scene& scene, const PictureView& view, float point_size_m, b
     draw_point(pixel, radius, static_cast<std::uint32_t>(i) | kPointBit, buffer);
   }
 }
+
+/// What stands about a tree, seen through: it tints what lies behind it.
+class Panes {
+ public:
+  Panes(const Scene& scene, const PictureView& view, int width, int height)
+      : scene_(scene), buffer_(scene.panes.empty() ? 0 : width, scene.panes.empty() ? 0 : height, true) {
+    for (std::size_t i = 0; i < scene.panes.size(); ++i) {
+      std::array<Vector3f, 3> pixels;
+      bool seen = true;
+      for (std::size_t k = 0; k < 3; ++k) seen = view.project(scene.panes[i][k], pixels[k]) && seen;
+      if (seen) draw_triangle(pixels, static_cast<std::uint32_t>(i), buffer_);
+    }
+  }
+  /// `colour` as it looks through the panes before `depth`.
+  Vector3f through(int x, int y, float depth, const Vector3f& sun, const Vector3f& colour) const {
+    if (scene_.panes.empty()) return colour;
+    const std::size_t at = buffer_.at(x, y);
+    if (buffer_.id[at] == kNothing || buffer_.depth[at] >= depth) return colour;
+    const auto& [a, b, c] = scene_.panes[buffer_.id[at]];
+    const Vector3f normal = (b - a).cross(c - a).normalized();
+    const Vector3f pane = Vector3f(140, 152, 172) * (0.8f + 0.25f * std::abs(normal.dot(sun)));
+    constexpr float kCover = 0.45f;
+    return colour + kCover * (pane - colour);
+  }
+
+ private:
+  const Scene& scene_;
+  Buffer buffer_;
+};
 
 /// How much of the light from one direction reaches a place.
 struct ShadowMap {
@@ -242,6 +273,7 @@ Image draw_scene(const Scene& scene, const PictureView& view, int width_px, int 
   std::vector<Light> light;
   if (shading.shadows) light.emplace_back(scene, sun, shading.point_size_m);
 
+  const Panes panes(scene, fine, buffer.width, buffer.height);
   const auto shade = [&](int x, int y) -> Vector3f {
     const std::size_t at = buffer.at(x, y);
     const std::uint32_t id = buffer.id[at];
@@ -286,7 +318,10 @@ Image draw_scene(const Scene& scene, const PictureView& view, int width_px, int 
     for (int x = 0; x < width_px; ++x) {
       Vector3f sum = Vector3f::Zero();
       for (int sy = 0; sy < samples; ++sy)
-        for (int sx = 0; sx < samples; ++sx) sum += shade(x * samples + sx, y * samples + sy);
+        for (int sx = 0; sx < samples; ++sx) {
+          const int fx = x * samples + sx, fy = y * samples + sy;
+          sum += panes.through(fx, fy, buffer.depth[buffer.at(fx, fy)], sun, shade(fx, fy));
+        }
       sum /= factor * factor;
       const auto channel = [](float v) {
         return static_cast<std::uint8_t>(std::clamp(v + 0.5f, 0.0f, 255.0f));

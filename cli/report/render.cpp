@@ -198,6 +198,8 @@ Image render(std::span<const Panel> panels, const RenderOptions& options, Progre
         shading.point_size_m = static_cast<float>(
             options.point_size_m ? *options.point_size_m : splat_size(*panel.cloud, extents[k]));
       }
+      if (panel.surroundings)
+        add_panes(*panel.surroundings, panel.surroundings->origin_shift - anchors[k], scene);
       const bool blank = scene.triangles.empty() && scene.points.empty();
       if (!blank && options.ground && options.camera.elevation_deg > 2 && !options.camera.zoom_box)
         add_ground(0, 0, 0.62 * std::max(size.x(), 0.3f * size.y()), scene);

@@ -6,6 +6,7 @@
 #include "cli/report/colours.h"
 #include "cli/report/image.h"
 #include "core/foliage.h"
+#include "core/mesh.h"
 #include "core/point_cloud.h"
 #include "core/progress.h"
 #include "core/tree.h"
@@ -29,13 +30,15 @@ struct PictureCamera {
   void validate() const;
 };
 
-/// One picture of a row. Any of the three may be null; a panel without anything says "nothing to show".
+/// One picture of a row. Any of cloud, tree and foliage may be null; a panel without anything says "nothing
+/// to show".
 struct Panel {
   std::string title;
   std::string subtitle;
   const PointCloud* cloud = nullptr;
   const Tree* tree = nullptr;
   const Foliage* foliage = nullptr;
+  const TriangleMesh* surroundings = nullptr;  ///< seen through; the picture does not widen for it
   TreeColour tree_colour = TreeColour::bark;
   std::optional<std::vector<Rgb>> point_colours;  ///< one a point, else one colour for all
   bool smooth_wood = true;  ///< tubes along each axis; false: the cylinders as the model has them

@@ -60,7 +60,9 @@ std::string view(const ReportData& data, const ReportOptions& options) {
          "browser runs no scripts or has no WebGL; the picture below shows the same.</p></div>\n<p "
          "class=\"quiet\">" +
          note +
-         "Drag to turn, scroll or pinch to zoom, right-drag to move; click a cylinder to read it.</p>\n"
+         "Drag to turn, scroll or pinch to zoom, right-drag to move; click a cylinder to read it. By "
+         "keyboard: "
+         "arrows, + and -, Home; Page Down and Page Up go from cylinder to cylinder.</p>\n"
          "<script type=\"application/json\" id=\"scene\">{" +
          colours + ",\"layers\":" + payload.directory +
          "}</script>\n<script type=\"text/plain\" id=\"scene-data\">" + base64(payload.binary) +

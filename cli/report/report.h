@@ -67,6 +67,7 @@ struct ReportProvenance {
   std::string command_line;
   std::string input_name;
   std::string input_checksum;  ///< with its kind: "sha256:..."
+  std::string crs;             ///< coordinate system of the input, as it states it
   std::vector<std::pair<std::string, std::string>> options;
   std::vector<ReportStage> stages;
 };

@@ -143,6 +143,13 @@ void add_points(const PointCloud& cloud, const Vec3& shift, const std::vector<Rg
   }
 }
 
+void add_panes(const TriangleMesh& mesh, const Vec3& shift, Scene& scene) {
+  const auto corner = [&](std::uint32_t i) {
+    return Eigen::Vector3f((mesh.vertices[i] + shift).cast<float>());
+  };
+  for (const auto& [a, b, c] : mesh.triangles) scene.panes.push_back({corner(a), corner(b), corner(c)});
+}
+
 void add_ground(double x, double y, double radius_m, Scene& scene) {
   constexpr int kSides = 72;
   const std::uint32_t centre = scene.vertex(Vec3(x, y, 0), Vec3::UnitZ());

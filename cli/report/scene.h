@@ -4,6 +4,7 @@
 
 #include "cli/report/colours.h"
 #include "core/foliage.h"
+#include "core/mesh.h"
 #include "core/point_cloud.h"
 #include "core/tree.h"
 
@@ -23,6 +24,7 @@ struct Scene {
   std::vector<Surface> surfaces;  ///< one a triangle
   std::vector<Eigen::Vector3f> points;
   std::vector<Rgb> point_colours;
+  std::vector<std::array<Eigen::Vector3f, 3>> panes;  ///< see-through triangles, of what stands about
 
   std::uint32_t vertex(const Vec3& position, const Vec3& normal);
   void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, Rgb colour, Surface surface);
@@ -34,6 +36,7 @@ void add_wood(const Tree& tree, const Vec3& shift, const std::vector<Rgb>& colou
               double min_radius_m, Scene& scene);
 void add_leaves(const Foliage& foliage, const Vec3& shift, Scene& scene);
 void add_points(const PointCloud& cloud, const Vec3& shift, const std::vector<Rgb>* colours, Scene& scene);
+void add_panes(const TriangleMesh& mesh, const Vec3& shift, Scene& scene);
 /// A level disc at z = 0 about (x, y).
 void add_ground(double x, double y, double radius_m, Scene& scene);
 

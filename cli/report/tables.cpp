@@ -4,6 +4,7 @@
 #include "cli/report/annotations.h"
 #include "cli/report/html.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -16,22 +17,27 @@ struct MetricRow {
   double factor;
   const char* interval;  ///< key in TreeMetrics::intervals, "" for none
   std::function<std::optional<double>(const TreeMetrics&)> value;
+  bool headline = false;  ///< on the first screen
 };
 
-const std::vector<MetricRow>& metric_rows() {
+std::vector<MetricRow> metric_rows(const ReportData& data) {
+  const VolumeUnit volume = volume_unit(data);
+  const char* unit = volume.words;
+  const double factor = volume.per_m3;
   using M = const TreeMetrics&;
   using Value = std::optional<double>;
-  static const std::vector<MetricRow> rows = {
-      {"Height", "m", 1, "height_m", [](M m) -> Value { return m.height_m; }},
-      {"Diameter at breast height", "cm", 100, "dbh_m", [](M m) -> Value { return m.dbh_m; }},
-      {"Stem volume", "litres", 1000, "stem_volume_m3", [](M m) -> Value { return m.stem_volume_m3; }},
-      {"Branch volume", "litres", 1000, "branch_volume_m3", [](M m) -> Value { return m.branch_volume_m3; }},
-      {"Total wood volume", "litres", 1000, "total_volume_m3",
-       [](M m) -> Value { return m.total_volume_m3; }},
+  return {
+      {"Height", "m", 1, "height_m", [](M m) -> Value { return m.height_m; }, true},
+      {"Diameter at breast height", "cm", 100, "dbh_m", [](M m) -> Value { return m.dbh_m; }, true},
+      {"Stem volume", unit, factor, "stem_volume_m3", [](M m) -> Value { return m.stem_volume_m3; }, true},
+      {"Branch volume", unit, factor, "branch_volume_m3", [](M m) -> Value { return m.branch_volume_m3; },
+       true},
+      {"Total wood volume", unit, factor, "total_volume_m3", [](M m) -> Value { return m.total_volume_m3; },
+       true},
       {"Wood surface", "m\xc2\xb2", 1, "wood_area_m2", [](M m) -> Value { return m.wood_area_m2; }},
       {"Length of all wood", "m", 1, "total_length_m", [](M m) -> Value { return m.total_length_m; }},
-      {"Crown base", "m", 1, "crown_base_m", [](M m) -> Value { return m.crown_base_m; }},
-      {"Crown diameter", "m", 1, "crown_diameter_m", [](M m) -> Value { return m.crown_diameter_m; }},
+      {"Crown base", "m", 1, "crown_base_m", [](M m) -> Value { return m.crown_base_m; }, true},
+      {"Crown diameter", "m", 1, "crown_diameter_m", [](M m) -> Value { return m.crown_diameter_m; }, true},
       {"Crown projection", "m\xc2\xb2", 1, "crown_area_m2", [](M m) -> Value { return m.crown_area_m2; }},
       {"Crown volume (hull)", "m\xc2\xb3", 1, "crown_volume_m3",
        [](M m) -> Value { return m.crown_volume_m3; }},
@@ -42,18 +48,20 @@ const std::vector<MetricRow>& metric_rows() {
            count += m.branch_count_by_order[order];
          return count;
        }}};
-  return rows;
 }
 
-/// "4.812 <span>(4.75 to 4.87)</span>".
+std::string interval(const Interval& range, double factor) {
+  return measured(factor * range.lo) + " to " + measured(factor * range.hi);
+}
+
+/// "4.81 <span>(4.75 to 4.87)</span>".
 std::string with_interval(const TreeMetrics& metrics, const MetricRow& row) {
   const std::optional<double> value = row.value(metrics);
   if (!value) return number(value);
-  std::string cell = number(row.factor * *value);
+  std::string cell = measured(row.factor * *value);
   const auto found = metrics.intervals.find(row.interval);
   if (found != metrics.intervals.end())
-    cell += " <span class=\"quiet\">(" + number(row.factor * found->second.lo) + " to " +
-            number(row.factor * found->second.hi) + ")</span>";
+    cell += " <span class=\"quiet\">(" + interval(found->second, row.factor) + ")</span>";
   return cell;
 }
 
@@ -63,6 +71,13 @@ std::string cards(std::string table) {
 }
 
 }  // namespace
+
+VolumeUnit volume_unit(const ReportData& data) {
+  double wood = 0;
+  for (const TreeMetrics* metrics : {data.model_metrics, data.regrown_metrics})
+    if (metrics) wood = std::max(wood, metrics->total_volume_m3);
+  return wood < 1 ? VolumeUnit{"litres", 1000} : VolumeUnit{"m\xc2\xb3", 1};
+}
 
 std::string headline(const ReportData& data) {
   std::string out;
@@ -79,18 +94,14 @@ std::string headline(const ReportData& data) {
   const TreeMetrics* metrics = data.model_metrics ? data.model_metrics : data.regrown_metrics;
   if (!metrics) return out;
   out += "<ul class=\"facts\" id=\"facts\">";
-  for (const MetricRow& row : metric_rows()) {
-    const std::string name = row.name;
-    if (name != "Height" && name != "Diameter at breast height" && name != "Total wood volume" &&
-        name != "Crown diameter" && name != "Crown base")
-      continue;
+  for (const MetricRow& row : metric_rows(data)) {
+    if (!row.headline) continue;
     const std::optional<double> value = row.value(*metrics);
-    out += "<li><span>" + name + "</span><b>" +
-           (value ? number(row.factor * *value) + " " + row.unit : number(value)) + "</b>";
+    out += std::string("<li><span>") + row.name + "</span><b>" +
+           (value ? measured(row.factor * *value) + " " + row.unit : number(value)) + "</b>";
     const auto found = metrics->intervals.find(row.interval);
     if (found != metrics->intervals.end())
-      out += "<small>" + number(row.factor * found->second.lo) + " to " +
-             number(row.factor * found->second.hi) + "</small>";
+      out += "<small>95 %: " + interval(found->second, row.factor) + "</small>";
     out += "</li>";
   }
   return out + "</ul>\n";
@@ -114,7 +125,7 @@ std::string metrics_table(const ReportData& data) {
       table.columns.push_back(name);
       table.numeric.push_back(1);
     }
-  for (const MetricRow& row : metric_rows()) {
+  for (const MetricRow& row : metric_rows(data)) {
     const std::string unit = row.unit;
     std::vector<std::string> cells = {row.name + (unit.empty() ? unit : " (" + unit + ")")};
     for (const TreeMetrics* metrics : {data.model_metrics, data.regrown_metrics})
@@ -161,7 +172,7 @@ std::string parameter_table(const ReportData& data) {
     out +=
         "<p class=\"quiet\">\xe2\x80\x9cNot identifiable\xe2\x80\x9d: this tree alone does not tell the "
         "value from others within its interval; do not read biology into it.</p>\n";
-  if (!given.rows.empty()) out += given.html();
+  if (!given.rows.empty()) out += cards(given.html());
   return out;
 }
 
@@ -177,7 +188,7 @@ std::string descriptor_table(const ReportData& data) {
 
 std::string leaf_table(const ReportData& data) {
   if (data.leaf_facts.empty()) return "";
-  HtmlTable table{"table-leaves", "", {"", ""}, {0, 1}, {}};
+  HtmlTable table{"table-leaves", "", {"What", "Value"}, {0, 1}, {}};
   for (const auto& [name, value] : data.leaf_facts)
     table.rows.push_back({escape_html(name), escape_html(value)});
   return table.html();
@@ -193,6 +204,7 @@ std::string provenance_tables(const ReportData& data) {
   row("Command", p.command_line);
   row("Input", p.input_name);
   row("Input checksum", p.input_checksum);
+  row("Coordinate system", p.crs);
   if (p.seed) row("Seed", std::to_string(*p.seed));
   std::string out = made.html();
   if (!p.options.empty()) {

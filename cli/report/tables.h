@@ -8,6 +8,13 @@
 
 namespace dendrofit {
 
+/// The unit of wood volumes: litres below a cubic metre, else cubic metres, one for the whole page.
+struct VolumeUnit {
+  const char* words;
+  double per_m3;
+};
+VolumeUnit volume_unit(const ReportData& data);
+
 std::string headline(const ReportData& data);
 std::string warning_box(const ReportData& data);
 std::string metrics_table(const ReportData& data);

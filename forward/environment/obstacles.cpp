@@ -3,7 +3,7 @@
 
 #include "core/errors.h"
 #include "core/point_cloud.h"
-#include "forward/environment/light_field.h"
+#include "forward/environment/shadows.h"
 
 #include <algorithm>
 #include <array>

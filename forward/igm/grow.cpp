@@ -12,6 +12,7 @@
 #include "forward/igm/start.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <sstream>
@@ -68,7 +69,7 @@ struct Simulation {
     return profiles;
   }
   void cast_nodes(std::size_t from, int sign, const std::vector<char>* only_axes = nullptr);
-  void read_light();
+  void read_light(std::size_t known);
   void shed(int passes, std::vector<std::int64_t>& count);
 };
 
@@ -84,8 +85,10 @@ void Simulation::cast_nodes(std::size_t from, int sign, const std::vector<char>*
   for (const auto& [b, voxels] : by_base) light.cast(voxels, ShadeProfile(b), sign);
 }
 
-void Simulation::read_light() {
-  light.read(stand.nodes.voxel, stand.nodes.shade);
+// Brings shade up to date; the first `known` nodes have that of the last time.
+void Simulation::read_light(std::size_t known) {
+  for (std::size_t i = 0; i < known; ++i) stand.nodes.shade[i] -= stand.nodes.obstacle_shade[i];
+  light.update(stand.nodes.voxel, stand.nodes.shade, known);
   for (std::size_t i = 0; i < stand.nodes.size(); ++i) stand.nodes.shade[i] += stand.nodes.obstacle_shade[i];
 }
 
@@ -102,7 +105,7 @@ void Simulation::shed(int passes, std::vector<std::int64_t>& count) {
   }
   stand.drop(dropped);
   stand.index_axes();
-  if (restore) read_light();
+  if (restore) read_light(stand.nodes.size());
 }
 
 Simulation begin(const IgmParameters& parameters, const IgmSite& site, const IgmOptions& options) {
@@ -152,7 +155,7 @@ Simulation begin(const IgmParameters& parameters, const IgmSite& site, const Igm
       stand.nodes.obstacle_shade[i] = sim.obstacles.shade(stand.nodes.voxel[i]);
   sim.cast_nodes(0, 1);
   thicken(stand);
-  sim.read_light();
+  sim.read_light(0);
   stand.index_axes();
   return sim;
 }
@@ -161,6 +164,20 @@ Simulation begin(const IgmParameters& parameters, const IgmSite& site, const Igm
 bool cap_rises(const Stand& stand, int cycle) {
   return std::any_of(stand.parameters.begin(), stand.parameters.end(),
                      [&](const IgmParameters& p) { return p.cap(cycle + 1) > p.cap(cycle); });
+}
+
+// Two stems cannot share a foot.
+void check_roots_apart(const std::vector<IgmTreeSite>& trees) {
+  std::map<std::array<double, 3>, std::string> taken;
+  for (std::size_t t = 0; t < trees.size(); ++t)
+    for (const Vec3& root : trees[t].roots) {
+      const auto [place, is_new] = taken.emplace(std::array{root.x(), root.y(), root.z()}, tree_name(t));
+      if (is_new) continue;
+      std::ostringstream message;
+      message << tree_name(t) << " root (" << root.x() << ", " << root.y() << ", " << root.z()
+              << "): a stem of " << place->second << " stands there already; move one of them";
+      throw InputError(message.str());
+    }
 }
 
 }  // namespace
@@ -173,6 +190,7 @@ void IgmSite::validate() const {
       if (!root.allFinite()) throw InputError(tree_name(t) + " root: a coordinate is not a finite number");
     if (trees[t].parameters) trees[t].parameters->validate();
   }
+  check_roots_apart(trees);
   solids.validate();
 }
 
@@ -197,7 +215,8 @@ IgmGrowth grow_igm(const IgmParameters& parameters, const IgmSite& site, const I
   int last = 0;
   for (const IgmParameters& p : stand.parameters) last = std::max(last, p.cycles);
   if (options.until_stop) last = kMostCycles;
-  growth.stop_reason = "reached cycle " + std::to_string(last);
+  growth.stop_reason = sim.cycle > last ? "it was past cycle " + std::to_string(last) + " already"
+                                        : "reached cycle " + std::to_string(last);
   progress.begin("growing", options.until_stop ? 0 : std::max(0, last - sim.cycle), "cycles");
   bool stopped = false;
   while (sim.cycle < last && !stopped) {
@@ -219,7 +238,7 @@ IgmGrowth grow_igm(const IgmParameters& parameters, const IgmSite& site, const I
     }
     sim.cast_nodes(old_nodes, 1);
     thicken(stand);
-    sim.read_light();
+    sim.read_light(old_nodes);
     stand.index_axes();
     std::fill(shed.begin(), shed.end(), 0);
     if (T >= kFirstShedding) sim.shed(stopped || T == last ? kLastShedPasses : kShedPasses, shed);

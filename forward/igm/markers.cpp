@@ -23,6 +23,15 @@ constexpr double kRounding = 0.05;  // voxels; of positions in single precision
 constexpr std::uint32_t kBlock = 16;
 constexpr std::uint32_t kPair = 2;  // flags looked at in one step
 
+double light_of(Fixed shade) {
+  return 1.0 - to_light(shade);
+}
+
+// Such a marker pulls nothing, and it only gets darker: it may as well be taken away.
+bool too_dark(Fixed shade) {
+  return light_of(shade) < kLeastLight;
+}
+
 std::uint32_t whole_blocks(std::uint32_t n) {
   return (n + kBlock - 1) & ~(kBlock - 1);
 }
@@ -79,7 +88,9 @@ double cone_reach(double h, double cone) {
 
 MarkerField::MarkerField(const std::vector<Vec3>& position, const std::vector<Fixed>& shade,
                          const VoxelFrame& frame, double cell_m)
-    : frame_(frame), cell_(Vec3(cell_m, 0.5 * cell_m, cell_m) / frame.edge_m) {
+    : frame_(frame),
+      cell_(Vec3(cell_m, 0.5 * cell_m, cell_m) / frame.edge_m),
+      per_cell_(cell_.cwiseInverse()) {
   if (position.empty()) return;
   const Bounds bounds = bounds_of(position);
   lo_ = (bounds.lo - frame.origin) / frame.edge_m;
@@ -88,22 +99,25 @@ MarkerField::MarkerField(const std::vector<Vec3>& position, const std::vector<Fi
   for (int axis = 0; axis < 3; ++axis)
     count_[axis] = static_cast<int>(bounds.size()[axis] / frame.edge_m / cell_[axis]) + 1;
 
+  constexpr std::uint32_t kNowhere = ~std::uint32_t{0};
   const std::size_t n = position.size();
-  std::vector<std::uint32_t> cell(n);
+  std::vector<std::uint32_t> cell(n, kNowhere);
   first_.assign(static_cast<std::size_t>(count_[0]) * static_cast<std::size_t>(count_[1]) *
                         static_cast<std::size_t>(count_[2]) +
                     1,
                 0);
   for (std::size_t i = 0; i < n; ++i) {
+    if (too_dark(shade[i])) continue;
     const Vec3 p = (position[i] - frame.origin) / frame.edge_m;
     cell[i] = static_cast<std::uint32_t>((cell_of(p.z(), 2) * count_[0] + cell_of(p.x(), 0)) * count_[1] +
                                          cell_of(p.y(), 1));
     ++first_[cell[i] + 1];
   }
   for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
-  resize(n);
+  resize(first_.back());
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   for (std::size_t i = 0; i < n; ++i) {
+    if (cell[i] == kNowhere) continue;
     const std::size_t at = next[cell[i]]++;
     const Vec3 p = (position[i] - frame.origin) / frame.edge_m - lo_;
     const Voxel v = frame.at(position[i]);
@@ -116,6 +130,16 @@ MarkerField::MarkerField(const std::vector<Vec3>& position, const std::vector<Fi
 
 int MarkerField::cell_of(double coordinate, int axis) const {
   return std::clamp(floor_to_int((coordinate - lo_[axis]) / cell_[axis]), 0, count_[axis] - 1);
+}
+
+int MarkerField::cell_before(double coordinate, int axis) const {
+  return std::clamp(floor_to_int((coordinate - kRounding - lo_[axis]) * per_cell_[axis]), 0,
+                    count_[axis] - 1);
+}
+
+int MarkerField::cell_after(double coordinate, int axis) const {
+  return std::clamp(floor_to_int((coordinate + kRounding - lo_[axis]) * per_cell_[axis]), 0,
+                    count_[axis] - 1);
 }
 
 MarkerField::Run MarkerField::run(int x, int y0, int y1, int z) const {
@@ -139,7 +163,7 @@ void MarkerField::squeeze() {
     const std::uint32_t from = first_[c], end = first_[c + 1];
     first_[c] = to;
     for (std::uint32_t i = from; i < end; ++i) {
-      if (vx_[i] == kTakenVoxel) continue;
+      if (vx_[i] == kTakenVoxel || too_dark(shade_[i])) continue;
       x_[to] = x_[i], y_[to] = y_[i], z_[to] = z_[i];
       vx_[to] = vx_[i], vy_[to] = vy_[i], vz_[to] = vz_[i];
       shade_[to] = shade_[i];
@@ -162,8 +186,8 @@ bool MarkerField::pull(const Vec3& at, const Vec3& heading, double near_m, doubl
       static_cast<float>(near * near), static_cast<float>(far * far),   static_cast<float>(cone * cone)};
   int lo[3], hi[3];  // cells of the box about the near ball and the cone
   for (int axis = 0; axis < 3; ++axis) {
-    lo[axis] = cell_of(p[axis] - std::max(near, far * cone_reach(-heading[axis], cone)) - kRounding, axis);
-    hi[axis] = cell_of(p[axis] + std::max(near, far * cone_reach(heading[axis], cone)) + kRounding, axis);
+    lo[axis] = cell_before(p[axis] - std::max(near, far * cone_reach(-heading[axis], cone)), axis);
+    hi[axis] = cell_after(p[axis] + std::max(near, far * cone_reach(heading[axis], cone)), axis);
   }
   double sx = 0, sy = 0, sz = 0;
   for (int cz = lo[2]; cz <= hi[2]; ++cz)
@@ -188,9 +212,8 @@ bool MarkerField::pull(const Vec3& at, const Vec3& heading, double near_m, doubl
             ++taken_;
             continue;
           }
-          const double light = 1.0 - to_light(shade_[i]);
-          if (light < kLeastLight) continue;
-          const double weight = std::min(light, 1.0) / std::sqrt(static_cast<double>(d2));
+          if (too_dark(shade_[i])) continue;
+          const double weight = std::min(light_of(shade_[i]), 1.0) / std::sqrt(static_cast<double>(d2));
           sx += weight * dx, sy += weight * dy, sz += weight * dz;
         }
       }
@@ -211,13 +234,13 @@ void MarkerField::cast(std::span<const Voxel> nodes, const ShadeProfile& profile
     high = {std::max(high.x, node.x), std::max(high.y, node.y), std::max(high.z, node.z)};
   }
   const int deepest = profile.layers() - 1;
-  const int cz0 = cell_of(low.z - deepest - 0.5, 2), cz1 = cell_of(high.z + 0.5, 2);
+  const int cz0 = cell_before(low.z - deepest - 0.5, 2), cz1 = cell_after(high.z + 0.5, 2);
   for (int cz = cz0; cz <= cz1; ++cz) {
     // The shadow's width at the bottom of this layer of cells.
     const double bottom = lo_.z() + cz * cell_.z();
     const int half = std::clamp(static_cast<int>(std::ceil(high.z - bottom + 0.5)), 0, kPyramidLayers);
-    const int cx0 = cell_of(low.x - half - 0.5, 0), cx1 = cell_of(high.x + half + 0.5, 0);
-    const int cy0 = cell_of(low.y - half - 0.5, 1), cy1 = cell_of(high.y + half + 0.5, 1);
+    const int cx0 = cell_before(low.x - half - 0.5, 0), cx1 = cell_after(high.x + half + 0.5, 0);
+    const int cy0 = cell_before(low.y - half - 0.5, 1), cy1 = cell_after(high.y + half + 0.5, 1);
     for (int cx = cx0; cx <= cx1; ++cx) {
       const Run markers = run(cx, cy0, cy1, cz);
       shade_run(markers.last - markers.first, vx_.data() + markers.first, vy_.data() + markers.first,

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "core/types.h"
-#include "forward/environment/light_field.h"
+#include "forward/environment/shadows.h"
 #include "forward/environment/voxels.h"
 
 #include <cstdint>
@@ -36,6 +36,9 @@ class MarkerField {
     std::uint32_t first, last;
   };
   int cell_of(double coordinate, int axis) const;
+  /// Cells that hold what lies from there on, or up to there, some margin included.
+  int cell_before(double coordinate, int axis) const;
+  int cell_after(double coordinate, int axis) const;
   /// Markers of the cells (x, y0..y1, z), which are neighbours in memory.
   Run run(int x, int y0, int y1, int z) const;
   void squeeze();
@@ -43,7 +46,8 @@ class MarkerField {
 
   VoxelFrame frame_;
   Vec3 cell_ = Vec3::Ones();  // voxels
-  Vec3 lo_ = Vec3::Zero();    // voxels
+  Vec3 per_cell_ = Vec3::Ones();
+  Vec3 lo_ = Vec3::Zero();  // voxels
   int count_[3] = {0, 0, 0};
   std::vector<std::uint32_t> first_;  // of each cell; z slowest, y fastest
   std::size_t size_ = 0, taken_ = 0;

@@ -20,7 +20,7 @@ struct Row {
   Member member;
 };
 
-constexpr std::array<Row, 24> kRows{{
+constexpr std::array<Row, 25> kRows{{
     {{"rho_m", "rho", "m", 0, 1e-4, 10, "internode length", "Table 2"}, &IgmParameters::rho_m},
     {{"lambda", "lambda", "", 0, 0.01, 0.99,
       "share of an axis against its branch; above 0.5 favours the axis", "4.2 (Table 3 says the reverse)"},
@@ -65,6 +65,9 @@ constexpr std::array<Row, 24> kRows{{
      &IgmParameters::restore_light},
     {{"stretch_internodes", "", "", 0, 0, 1, "1: internodes of rho v / floor(v)", "authors' program"},
      &IgmParameters::stretch_internodes},
+    {{"stretch_by_node", "", "", 0, 0, 1, "1: v there of the node's shoots together, not of each",
+      "the authors' lengths: median 1.03 rho"},
+     &IgmParameters::stretch_by_node},
     {{"paper", "", "", 0, 0, 1, "1: siblings counted twice in radii, as the printed diameters need",
       "authors' program"},
      &IgmParameters::paper},
@@ -107,6 +110,16 @@ void check_bounds(const ParameterSpec& spec, double value, std::string_view wher
 }
 
 [[noreturn]] void unknown_key(std::string_view key, std::string_view equation, std::string_view where) {
+  for (const GrowthEquation& other : growth_equations())
+    for (const ParameterSpec& spec : other.parameters)
+      if (spec.key == key) {
+        std::string own;
+        for (const ParameterSpec& row : growth_equation(equation).parameters)
+          own += (own.empty() ? "" : ", ") + std::string(row.key);
+        throw InputError(lead(where) + "parameter '" + std::string(key) + "' belongs to the " +
+                         std::string(other.name) + " equation; the " + std::string(equation) +
+                         " equation has " + own);
+      }
   std::vector<std::string> known{"equation"};
   for (const ParameterSpec& spec : igm_parameter_table(equation)) known.emplace_back(spec.key);
   throw InputError(lead(where) + "unknown parameter '" + std::string(key) + "'; did you mean '" +
@@ -162,15 +175,23 @@ void IgmParameters::set(std::string_view key, double value, std::string_view whe
     const auto assign = [&](auto field) {
       using Value = std::remove_reference_t<decltype(this->*field)>;
       if constexpr (!std::is_same_v<Value, double>)
-        if (value != std::floor(value))
-          throw InputError(lead(where) + std::string(key) + " = " + std::to_string(value) +
-                           ": must be a whole number");
+        if (value != std::floor(value)) {
+          std::ostringstream message;
+          message << lead(where) << key << " = " << value << ": must be a whole number";
+          throw InputError(message.str());
+        }
       this->*field = static_cast<Value>(value);
     };
     std::visit(assign, kRows[i].member);
     return;
   }
   unknown_key(key, equation, where);
+}
+
+bool IgmParameters::is_switch(std::string_view key) {
+  return std::any_of(kRows.begin(), kRows.end(), [&](const Row& row) {
+    return row.spec.key == key && std::holds_alternative<bool IgmParameters::*>(row.member);
+  });
 }
 
 void IgmParameters::set_equation(std::string_view name, std::string_view where) {

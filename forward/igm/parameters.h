@@ -39,7 +39,8 @@ struct IgmParameters {
   int schedule_cycles = 20;         ///< cycle at which b reaches b_max; drooping counts from it
   bool resource_allocation = true;  ///< false: the equation alone says how far a bud grows
   bool restore_light = false;       ///< shed branches give their light back
-  bool stretch_internodes = false;  ///< internode rho v / floor(v) in place of rho
+  bool stretch_internodes = false;  ///< internode rho v / floor(v) in place of rho, v a shoot's share
+  bool stretch_by_node = false;     ///< v there of all shoots of the node
   bool paper = false;               ///< the authors' double count of sibling branches in the radii
   int max_markers = 20000;          ///< marker points of one tree in one cycle
   int max_order = 12;               ///< branches of this order (trunk 1) bear no branches
@@ -55,6 +56,8 @@ struct IgmParameters {
   /// Sets a number by key. Throws InputError, led by `where`, for an unknown key (naming the nearest) or a
   /// value outside its bounds.
   void set(std::string_view key, double value, std::string_view where = "");
+  /// Whether the key is a switch, true or false.
+  static bool is_switch(std::string_view key);
   /// Takes another equation with that equation's default values. InputError for an unknown name.
   void set_equation(std::string_view name, std::string_view where = "");
 

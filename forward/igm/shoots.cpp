@@ -131,7 +131,8 @@ void Shooting::shoot(const Sprout& sprout, bool extend) {
   const ShadeProfile& profile = profiles_[static_cast<std::size_t>(tree)];
   const int order = stand_.axes.order[bearing_axis] + (extend ? 0 : 1);
   const bool lateral = order > 1;
-  const double step = p.stretch_internodes ? p.rho_m * sprout.share / std::floor(sprout.share) : p.rho_m;
+  const double v = p.stretch_by_node ? sprout.share * sprout.shoots : sprout.share;
+  const double step = p.stretch_internodes ? p.rho_m * v / std::floor(v) : p.rho_m;
   const double lowest = stand_.plants[static_cast<std::size_t>(plant)].root.z() + kLowest * p.rho_m;
   const double pipe = std::pow(p.tip_radius_m, p.pipe_exponent);
   // Vt = -z / (Tend + 6 - T): droops later and later.

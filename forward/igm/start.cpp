@@ -112,7 +112,7 @@ int plant_tree(Stand& stand, int tree, const Tree& grown, const Vec3& frame_shif
     for (std::size_t j = 0; j < course[a].point.size(); ++j) {
       const auto node = static_cast<std::size_t>(course[a].from[j]);
       const Vec3 at = course[a].point[j] + frame_shift;
-      if ((at - last).norm() < 1e-6) continue;  // a stub that ends where its bearer's node is
+      if ((at - last).norm() < 1e-6) continue;  // a twig that ends where its bearer's node is
       made[a].push_back(stand.add_node(axis_of[a], at, 0, std::pow(grown.radius[node], p.pipe_exponent)));
       last = at;
       depth.push_back(++below);

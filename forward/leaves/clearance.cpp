@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "forward/leaves/clearance.h"
 
+#include "core/range.h"
+
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Geometry>
 
@@ -11,15 +12,6 @@ namespace dendrofit {
 namespace {
 
 using Triangle = std::array<const Vec3*, 3>;
-
-struct Range {
-  double lo = std::numeric_limits<double>::infinity();
-  double hi = -std::numeric_limits<double>::infinity();
-  void add(double x) {
-    lo = std::min(lo, x);
-    hi = std::max(hi, x);
-  }
-};
 
 template <class Points>
 Range range_along(const Vec3& axis, const Points& points) {

@@ -124,7 +124,7 @@ struct RayScene::Impl {
   std::vector<std::int32_t> leaf_of_triangle;
   unsigned wood_id = RTC_INVALID_GEOMETRY_ID;
   Vec3 centre = Vec3::Zero();
-  std::optional<double> ground_radius;
+  std::optional<GroundDisc> ground;
 
   ~Impl() {
     if (scene) rtcReleaseScene(scene);
@@ -133,10 +133,10 @@ struct RayScene::Impl {
 };
 
 RayScene::RayScene(const Tree& tree, const Foliage* foliage, bool tapered, const Vec3& centre,
-                   std::optional<double> ground_radius_m)
+                   const std::optional<GroundDisc>& ground)
     : impl_(std::make_unique<Impl>()) {
   impl_->centre = centre;
-  impl_->ground_radius = ground_radius_m;
+  impl_->ground = ground;
   impl_->cones = cones_of(tree, tapered, centre);
   impl_->device = rtcNewDevice("threads=1");
   if (!impl_->device) throw SolverError("the ray tracer (Embree) does not start on this machine");
@@ -178,7 +178,7 @@ RayScene::RayScene(const Tree& tree, const Foliage* foliage, bool tapered, const
 
 RayScene::~RayScene() = default;
 
-RayHit RayScene::cast(const Vec3& origin, const Vec3& direction, double max_range_m) const {
+RayHit RayScene::cast(const Vec3& origin, const Vec3& direction, double max_range_m, double grass_m) const {
   const Vec3 from = origin - impl_->centre;
   RTCRayHit query{};
   query.ray.org_x = static_cast<float>(from.x()), query.ray.org_y = static_cast<float>(from.y());
@@ -203,12 +203,15 @@ RayHit RayScene::cast(const Vec3& origin, const Vec3& direction, double max_rang
     hit = {RayHit::What::wood, static_cast<std::int32_t>(query.hit.primID), query.ray.tfar};
   else if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID)
     hit = {RayHit::What::leaf, impl_->leaf_of_triangle[query.hit.primID], query.ray.tfar};
-  if (impl_->ground_radius && direction.z() < 0) {
-    const double t = -from.z() / direction.z();
+  if (!impl_->ground) return hit;
+  const GroundDisc& ground = *impl_->ground;
+  const double sinking = ground.rise * direction.x() - direction.z();  // towards the ground, along the ray
+  if (sinking > 0) {
+    const double t = (from.z() - ground.rise * from.x() - grass_m) / sinking;
     const Vec3 at = from + t * direction;
     const double reach = hit.what == RayHit::What::nothing ? max_range_m : hit.range_m;
-    if (t > 0 && t < reach && std::hypot(at.x(), at.y()) <= *impl_->ground_radius)
-      hit = {RayHit::What::ground, -1, t};
+    if (t > 0 && t < reach && std::hypot(at.x(), at.y()) <= ground.radius_m)
+      hit = {grass_m > 0 ? RayHit::What::grass : RayHit::What::ground, -1, t};
   }
   return hit;
 }

@@ -16,6 +16,7 @@ namespace dendrofit {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kGrassGaps = 0.25;  // share of rays that reach the ground through grass
 constexpr std::uint64_t kPoseKey = ~std::uint64_t{0};
 
 struct Return {
@@ -63,14 +64,19 @@ void aim(Station& station, const Bounds& box, double margin) {
   station.polar_hi = std::min(std::numbers::pi, station.polar_hi + margin);
 }
 
+double rise_of(const ScanOptions& options) {
+  return options.ground_radius_m ? std::tan(options.ground_slope_deg * kDegree) : 0.0;
+}
+
 std::vector<Station> place_stations(const Tree& tree, const ScanOptions& options, const Vec3& foot) {
   std::vector<Vec3> positions = options.positions;
   if (positions.empty())
     for (int s = 0; s < options.stations; ++s) {
       const double azimuth =
           options.first_azimuth_deg * kDegree + 2 * std::numbers::pi * s / options.stations;
-      positions.push_back(foot + Vec3(options.distance_m * std::cos(azimuth),
-                                      options.distance_m * std::sin(azimuth), options.instrument_height_m));
+      const double east = options.distance_m * std::cos(azimuth);
+      positions.push_back(foot + Vec3(east, options.distance_m * std::sin(azimuth),
+                                      rise_of(options) * east + options.instrument_height_m));
     }
   Bounds box;
   for (std::size_t i = 0; i < tree.size(); ++i)
@@ -79,8 +85,9 @@ std::vector<Station> place_stations(const Tree& tree, const ScanOptions& options
       box.add(end + Vec3::Constant(tree.radius[i]));
     }
   if (options.ground_radius_m) {
-    box.add(foot - Vec3(*options.ground_radius_m, *options.ground_radius_m, 0));
-    box.add(foot + Vec3(*options.ground_radius_m, *options.ground_radius_m, 0));
+    const double radius = *options.ground_radius_m, rise = std::abs(rise_of(options)) * radius;
+    box.add(foot - Vec3(radius, radius, rise));
+    box.add(foot + Vec3(radius, radius, rise + options.grass_height_m));
   }
   std::vector<Station> stations;
   for (std::size_t s = 0; s < positions.size(); ++s) {
@@ -92,6 +99,13 @@ std::vector<Station> place_stations(const Tree& tree, const ScanOptions& options
     stations.push_back(station);
   }
   return stations;
+}
+
+ScanClass class_of(RayHit::What what) {
+  return what == RayHit::What::wood    ? ScanClass::wood
+         : what == RayHit::What::leaf  ? ScanClass::leaf
+         : what == RayHit::What::grass ? ScanClass::grass
+                                       : ScanClass::ground;
 }
 
 // One beam: its sub-rays' hits in order of range, merged where they lie closer than the range resolution.
@@ -110,8 +124,11 @@ void fire(const RayScene& scene, const Station& station, const ScanOptions& opti
     const Vec3 outwards = part * (std::cos(angle) * side + std::sin(angle) * up);
     const Vec3 origin = station.position + 0.5 * options.exit_diameter_m * outwards;
     const Vec3 direction = (beam + 0.5e-3 * options.divergence_mrad * outwards).normalized();
-    const RayHit hit =
-        scene.cast(options.rays_per_beam == 1 ? station.position : origin, direction, options.max_range_m);
+    double grass = 0;
+    if (options.grass_height_m > 0 && random.uniform() >= kGrassGaps)
+      grass = options.grass_height_m * random.uniform();
+    const RayHit hit = scene.cast(options.rays_per_beam == 1 ? station.position : origin, direction,
+                                  options.max_range_m, grass);
     if (hit.what != RayHit::What::nothing) hits.push_back(hit);
   }
   std::stable_sort(hits.begin(), hits.end(),
@@ -140,9 +157,7 @@ void fire(const RayScene& scene, const Station& station, const ScanOptions& opti
     const Vec3 turned = Eigen::AngleAxisd(station.turn, Vec3::UnitZ()) * (measured - station.position);
     Return out;
     out.point = station.position + turned + station.shift;
-    out.what = hits[owner].what == RayHit::What::wood   ? ScanClass::wood
-               : hits[owner].what == RayHit::What::leaf ? ScanClass::leaf
-                                                        : ScanClass::ground;
+    out.what = class_of(hits[owner].what);
     out.node = hits[owner].what == RayHit::What::wood ? hits[owner].id : -1;
     out.leaf = hits[owner].what == RayHit::What::leaf ? hits[owner].id : -1;
     out.share = static_cast<float>(count / options.rays_per_beam);
@@ -179,6 +194,12 @@ void ScanOptions::validate() const {
           registration_error_deg, "must be between 0 and 45");
   require(drop_out >= 0 && drop_out < 1, "drop_out", drop_out, "must be at least 0 and less than 1");
   require(max_range_m > 0 && std::isfinite(max_range_m), "max_range_m", max_range_m, "must be positive");
+  require(ground_slope_deg >= -60 && ground_slope_deg <= 60, "ground_slope_deg", ground_slope_deg,
+          "must be between -60 and 60 degrees");
+  require(grass_height_m >= 0 && grass_height_m <= 5, "grass_height_m", grass_height_m,
+          "must be between 0 and 5 m");
+  require(!ground_radius_m || !positions.empty() || instrument_height_m > 0, "instrument_height_m",
+          instrument_height_m, "must be positive: the instrument stands above the ground");
   require(!ground_radius_m || (*ground_radius_m > 0 && std::isfinite(*ground_radius_m)), "ground_radius_m",
           ground_radius_m.value_or(0), "must be positive");
 }
@@ -194,7 +215,9 @@ VirtualScan scan_tree(const Tree& tree, const Foliage* foliage, const ScanOption
   for (std::size_t i = 0; i < tree.size(); ++i)
     if (tree.parent[i] < 0 && tree.start[i].z() < foot.z()) foot = tree.start[i];
 
-  const RayScene scene(tree, foliage, options.tapered, foot, options.ground_radius_m);
+  std::optional<GroundDisc> ground;
+  if (options.ground_radius_m) ground = {*options.ground_radius_m, rise_of(options)};
+  const RayScene scene(tree, foliage, options.tapered, foot, ground);
   const std::vector<Station> stations = place_stations(tree, options, foot);
   const double step = options.step_deg * kDegree;
 

@@ -16,14 +16,14 @@
 namespace dendrofit {
 
 /// Classes of a virtual scan's points (LAS codes; 20 is free in every point format).
-enum class ScanClass : std::uint8_t { ground = 2, leaf = 5, wood = 20 };
+enum class ScanClass : std::uint8_t { ground = 2, grass = 3, leaf = 5, wood = 20 };
 
 struct ScanOptions {
   /// Instrument positions (the tree's local frame). Empty: `stations` of them evenly around the tree's foot.
   std::vector<Vec3> positions;
   int stations = 4;
   double distance_m = 8;             ///< from the foot to each station
-  double instrument_height_m = 1.6;  ///< above the foot
+  double instrument_height_m = 1.6;  ///< above the ground it stands on
   double first_azimuth_deg = 0;
   double step_deg = 0.08;        ///< between neighbouring beams, both ways
   double divergence_mrad = 0.3;  ///< full angle of the beam
@@ -38,7 +38,10 @@ struct ScanOptions {
   double drop_out = 0;                ///< share of beams lost
   double max_range_m = 100;
   bool tapered = true;  ///< cones from one cylinder's radius to the next; false: plain cylinders
-  std::optional<double> ground_radius_m = 5;  ///< disc of flat ground about the foot; none: no ground
+  std::optional<double> ground_radius_m = 5;  ///< disc of ground about the foot; none: no ground
+  double ground_slope_deg = 0;                ///< rising towards +x; stations stand on it
+  /// Of grass on the ground: three rays in four end in it, at any height up to this.
+  double grass_height_m = 0;
   int threads = 0;
   std::uint64_t seed = 1;
 

@@ -10,6 +10,9 @@
 namespace dendrofit {
 namespace {
 
+constexpr double kLeastContrast = 8;      ///< grey levels: a stem's colour differs from the ground's by more
+constexpr double kOfUsualContrast = 0.2;  ///< and by more than this share of what most of its rows do
+
 /// The strip at half size, and where it lies.
 struct Strip {
   cv::Mat bgr;
@@ -73,6 +76,33 @@ std::vector<double> running_median(const std::vector<double>& values, std::size_
 struct StemRow {
   int row, first, last;
 };
+
+/// How much a row of the stem differs in colour from what is beside it, on the side where it differs less.
+double standing_out(const Photograph& photo, const StemRow& row) {
+  const int width = std::max(4, row.last - row.first + 1), gap = std::max(2, width / 6);
+  const Colour wood = mean_colour(photo, row.row, row.first + width / 4, row.last - width / 4);
+  double least = 1e9;
+  for (const int side : {-1, 1}) {
+    const int near = (side < 0 ? row.first : row.last) + side * gap, far = near + side * (width + 4);
+    if (std::min(near, far) < 0 || std::max(near, far) >= photo.width) continue;
+    least = std::min(least,
+                     (wood - mean_colour(photo, row.row, std::min(near, far), std::max(near, far))).norm());
+  }
+  return least;
+}
+
+/// Drops the last rows, as far as they do not stand out: the stem has ended above them.
+void drop_beyond_foot(const Photograph& photo, std::vector<StemRow>& rows) {
+  if (rows.empty()) return;
+  std::vector<double> contrast;
+  for (const StemRow& row : rows) contrast.push_back(standing_out(photo, row));
+  contrast = running_median(contrast, 7);
+  std::vector<double> sorted = contrast;
+  const auto high = sorted.begin() + static_cast<std::ptrdiff_t>(3 * sorted.size() / 4);
+  std::nth_element(sorted.begin(), high, sorted.end());
+  const double least = std::max(kLeastContrast, kOfUsualContrast * *high);
+  while (!rows.empty() && contrast[rows.size() - 1] < least) rows.pop_back();
+}
 
 /// Writes the rows into `tree`, their edges moved to where the colour changes (GrabCut's are good to a pixel
 /// of its half-size picture).
@@ -164,8 +194,9 @@ int follow_stem_down(const Photograph& photo, const StemCrossing& stem, std::vec
     }
   }
   while (!rows.empty() && rows.back().row > foot) rows.pop_back();
+  drop_beyond_foot(photo, rows);
   write_rows(photo, rows, tree);
-  return foot;
+  return rows.empty() ? stem.row : rows.back().row;
 }
 
 }  // namespace dendrofit

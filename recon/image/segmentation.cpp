@@ -2,6 +2,7 @@
 #include "recon/image/segmentation.h"
 
 #include "core/errors.h"
+#include "recon/image/boughs.h"
 #include "recon/image/cover.h"
 #include "recon/image/ground.h"
 #include "recon/image/pieces.h"
@@ -238,6 +239,7 @@ Silhouette from_sky(const Photograph& photo, const SegmentationOptions& options)
     const int down = follow_stem_down(photo, *stem, s.tree) - stem->row;
     followed = followed || down > std::max(2 * (stem->last - stem->first), photo.height / 50);
   }
+  if (grow_boughs(photo, sky, s.tree) > static_cast<std::size_t>(photo.height)) followed = true;
   if (!followed)
     s.warnings.push_back(
         "the stem is not told from what is behind it below the horizon: foot and height are uncertain; give "

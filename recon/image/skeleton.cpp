@@ -82,6 +82,10 @@ class NodeWriter {
     out_.radius_px.push_back(radius);
     out_.parent.push_back(parent);
     out_.bridge.push_back(bridge ? 1 : 0);
+    // An edge too short for a node of its own leaves two that would go on from one node.
+    continued_.resize(out_.px.size(), 0);
+    continues = continues && parent >= 0 && !continued_[static_cast<std::size_t>(parent)];
+    if (continues) continued_[static_cast<std::size_t>(parent)] = 1;
     out_.continues.push_back(continues ? 1 : 0);
     return static_cast<std::int32_t>(out_.px.size() - 1);
   }
@@ -91,6 +95,7 @@ class NodeWriter {
   const PlaneGraph& graph_;
   double spacing_px_;
   PlaneSkeleton& out_;
+  std::vector<char> continued_;  // by node
 };
 
 /// For every grown edge whether it continues its bearer: of those that leave it, the one that is thick,

@@ -31,7 +31,8 @@ struct Sky {
   }
 };
 
-constexpr double kLike = 0.08;  ///< sky is within this share of its fit
+constexpr float kSkyFrom = 0.92F, kSkyTo = 1.25F;  ///< ratios of sky
+constexpr double kLike = 0.08;                     ///< sky is within this share of its fit
 
 /// Least squares on a grid of samples above `bottom`, whatever is darker (trees) or brighter (sun) than the
 /// fit dropped round by round.
@@ -148,7 +149,7 @@ void flood_from_top(SkyRatio& s, int bottom) {
     if (x < 0 || y < 0 || x >= s.width || y >= bottom) return;
     const std::size_t p =
         static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width) + static_cast<std::size_t>(x);
-    if (s.sky[p] || s.ratio[p] < 0.92f || s.ratio[p] > 1.25f) return;
+    if (s.sky[p] || s.ratio[p] < kSkyFrom || s.ratio[p] > kSkyTo) return;
     s.sky[p] = 1;
     stack.push_back({x, y});
   };
@@ -197,7 +198,7 @@ Line horizon_line(const std::vector<int>& lowest, int height) {
   return best;
 }
 
-/// The lowest sky of each column; the straight horizon where that is far from it, because a tree hides it.
+/// The lowest sky of each column; where a tree hides it, the horizon beside the tree.
 void find_horizon(SkyRatio& s) {
   std::vector<int> lowest(static_cast<std::size_t>(s.width), 0);
   for (int x = 0; x < s.width; ++x)
@@ -208,16 +209,38 @@ void find_horizon(SkyRatio& s) {
         break;
       }
   const Line line = horizon_line(lowest, s.height);
-  s.horizon = lowest;
-  int near = 0;
+  const double near = 0.015 * s.height;
+  const auto off = [&](int x) { return lowest[static_cast<std::size_t>(x)] - line.row(x); };
+  // Sky between boughs does not hang together with the sky above.
   for (int x = 0; x < s.width; ++x) {
-    int& own = s.horizon[static_cast<std::size_t>(x)];
-    const double off = own - line.row(x);
-    near += std::abs(off) < 0.015 * s.height;
-    if (off < -0.015 * s.height) own = std::clamp(static_cast<int>(std::lround(line.row(x))), 0, s.height);
+    if (off(x) >= -near) continue;
+    const int end = std::clamp(static_cast<int>(line.row(x) + near), 0, s.height);
+    for (int y = end - 1; y >= lowest[static_cast<std::size_t>(x)] && y >= line.row(x) - near; --y) {
+      const float q = s.ratio[static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width) +
+                              static_cast<std::size_t>(x)];
+      if (q < kSkyFrom || q > kSkyTo) continue;
+      lowest[static_cast<std::size_t>(x)] = y + 1;
+      break;
+    }
+  }
+  s.horizon = lowest;
+  int on_line = 0, before = -1;
+  for (int x = 0; x < s.width; ++x) {
+    if (off(x) >= -near) {
+      on_line += off(x) < near;
+      before = x;
+      continue;
+    }
+    int after = x;
+    while (after < s.width && off(after) < -near) ++after;
+    // Hidden by wood: the horizon goes on from one side to the other, and no higher than either.
+    const double left = before >= 0 ? off(before) : after < s.width ? off(after) : 0;
+    const double right = after < s.width ? off(after) : left;
+    s.horizon[static_cast<std::size_t>(x)] =
+        std::clamp(static_cast<int>(std::lround(line.row(x) + std::min({left, right, near}))), 0, s.height);
   }
   s.median_horizon = std::clamp(line.row(s.width / 2), 0.0, static_cast<double>(s.height));
-  s.horizon_share = static_cast<double>(near) / s.width;
+  s.horizon_share = static_cast<double>(on_line) / s.width;
 }
 
 void measure_light(SkyRatio& s, const Photograph& photo) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The outermost twigs, where single masks lose what most still show.
+// The outermost twigs, where single masks lose what others still show.
 #pragma once
 
 #include "core/photograph.h"
@@ -10,10 +10,12 @@
 
 namespace dendrofit {
 
-/// Carving ends a twig where the first view loses it. Each axis goes on straight ahead while three quarters
-/// of the views hold the way on their mask (within 0.7 px), over gaps of two pixels in all of them, for at
-/// most as long as the axis is and 0.3 m. The new cylinders carry their axis's last radius, quality
-/// extrapolated.
-void extend_tips(Tree& tree, const std::vector<Camera>& cameras, const std::vector<Outline>& outlines);
+/// Carving ends a twig where the first view loses it; a twig under a pixel wide is dots in a mask, others in
+/// each view. From each tip the tree goes on, in steps of five pixels that may bend, along wood that no
+/// cylinder explains in a third of the views (three at least; all of two or three), for at most 0.3 m and as
+/// long as its axis is. The new cylinders' radii are the tip's, where fewer than three quarters of the views
+/// show them less than a pixel; quality extrapolated. Cylinders in the frame of the cameras' world.
+void extend_tips(Tree& tree, const std::vector<Camera>& cameras, const std::vector<Outline>& outlines,
+                 int threads = 0);
 
 }  // namespace dendrofit

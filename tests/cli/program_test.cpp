@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The program itself, run as a user runs it: exit codes, files, bytes.
 #include "core/atomic_file.h"
+#include "forward/igm/parameters.h"
 #include "tests/cli/run_program.h"
 #include "tests/support/shared_data.h"
 
@@ -115,6 +116,50 @@ TEST(Program, a_runs_record_serves_as_its_config_file) {
   EXPECT_EQ(test::content_of(scratch / "a" / "qsm.csv"), test::content_of(scratch / "b" / "qsm.csv"));
 }
 
+// The written params.toml alone (with the site beside it) grows the same to the last byte.
+TEST(Program, grown_parameters_fed_back_grow_the_same) {
+  const test::ScratchFolder scratch;
+  write_file(scratch / "site.toml",
+             "[[tree]]\nroot = [0, 0, 0]\n[[tree]]\nroot = [1, 0.3, 0]\nparameters = {alpha = 8}\n"
+             "[[box]]\nmin = [0.5, -1, 0]\nmax = [0.7, 1, 3]\n");
+  std::vector<std::string> runs{"standard --site " + (scratch / "site.toml").string(),
+                                "standard --set equation=weibull --set paper=true"};
+  for (const IgmPreset& preset : igm_presets()) runs.emplace_back(preset.name);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const fs::path first = scratch / std::to_string(i), again = scratch / (std::to_string(i) + "b");
+    ASSERT_EQ(run("grow " + runs[i] + " --cycles 7 --seed 4 -o " + first.string()).code, 0) << runs[i];
+    const Outcome back = run("grow " + (first / "params.toml").string() + " --seed 4 -o " + again.string());
+    ASSERT_EQ(back.code, 0) << runs[i] << ": " << back.err;
+    for (const char* file : {"qsm.csv", "growth.csv", "metrics.json", "params.toml"})
+      EXPECT_EQ(test::content_of(first / file), test::content_of(again / file)) << runs[i] << ": " << file;
+  }
+}
+
+TEST(Program, grow_lists_its_parameters_with_unit_and_bounds) {
+  const Outcome keys = run("grow table2-13 --keys --set alpha=7");
+  ASSERT_EQ(keys.code, 0) << keys.err;
+  EXPECT_THAT(keys.out, testing::AllOf(HasSubstr("xm"), HasSubstr("50 internodes"), HasSubstr("0.01 m"),
+                                       HasSubstr("tip_radius_m"), HasSubstr("1e-05 to 0.1")));
+  const auto rows = nlohmann::json::parse(run("grow --keys --json").out).at("parameters");
+  EXPECT_EQ(rows.size(), igm_parameter_table().size());
+}
+
+TEST(Program, scans_refuse_what_cannot_be) {
+  const test::ScratchFolder scratch;
+  const std::string scan =
+      "scan " + sample("young_tree_truth.csv") + " -o " + (scratch / "c.las").string() + " --step 1deg ";
+  EXPECT_EQ(run(scan + "--ground=-1m").code, 3);
+  EXPECT_EQ(run(scan + "--ground-slope 70deg").code, 3);
+  EXPECT_EQ(run(scan + "--instrument-height=-1m").code, 3);
+  EXPECT_EQ(run(scan + "--ground 0m --grass-height 10cm").code, 2);
+  EXPECT_EQ(run(scan + "--species oak").code, 2);
+  EXPECT_EQ(run(scan + "--max-range 1m").code, 4);
+  EXPECT_TRUE(files_in(scratch.path()).empty());
+  EXPECT_EQ(run(scan + "--ground-slope 20deg --grass-height 10cm --drop-out 0.1 --returns 2").code, 0);
+  for (const char* file : {"c.las", "c_truth.csv", "c_truth.json", "c_run.toml"})
+    EXPECT_TRUE(fs::exists(scratch / file)) << file;
+}
+
 TEST(Program, no_leaves_asked_for_is_no_error) {
   const test::ScratchFolder scratch;
   const Outcome none =
@@ -193,7 +238,8 @@ TEST(Determinism, the_main_job_gives_the_same_bytes_for_any_number_of_threads) {
                                 (scratch / folder).string() + " " + extra);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     auto files = files_in(scratch / folder);
-    EXPECT_TRUE(files.erase("report.html"));  // holds the times of the stages
+    for (const char* name : {"report.html", "report.json"})  // hold the times of the stages
+      EXPECT_TRUE(files.erase(name)) << name;
     // these tell how long leaves and fit took; all else must agree
     for (const char* name : {"leaves.json", "fit.json"}) {
       auto content = nlohmann::json::parse(files[name]);

@@ -49,6 +49,23 @@ TEST(View, makes_a_page_of_a_folder_with_the_growth_in_it) {
   EXPECT_FALSE(std::filesystem::exists(scratch / "p.jpg"));
 }
 
+TEST(View, makes_a_fits_page_again_with_all_its_tables) {
+  const test::ScratchFolder scratch;
+  const std::string fit = (scratch / "fit").string();
+  ASSERT_EQ(run("fit " + sample("young_tree_truth.csv") + " --budget 4 -o " + fit), 0);
+  ASSERT_EQ(run("view " + fit + " --height 240 --html " + (scratch / "p.html").string()), 0);
+  const std::string html = test::content_of(scratch / "p.html");
+  for (const char* part : {"table-parameters", "table-descriptors", "plot-parameters", "not identifiable",
+                           "young_tree_truth.csv"})
+    EXPECT_NE(html.find(part), std::string::npos) << part;
+  std::string broken = test::content_of(scratch / "fit" / "report.json");
+  broken.replace(broken.find("\"seed\": 1"), 9, "\"seed\": 1e99");
+  std::ofstream(scratch / "fit" / "report.json") << broken;
+  EXPECT_EQ(run("view " + fit + " --force --html " + (scratch / "p.html").string()), 3);
+  std::ofstream(scratch / "fit" / "report.json") << "{";
+  EXPECT_EQ(run("view " + fit + " --force --html " + (scratch / "p.html").string()), 3);
+}
+
 TEST(View, pictures_a_cloud_and_refuses_what_it_cannot_show) {
   const test::ScratchFolder scratch;
   const std::string png = " --png " + (scratch / "a.png").string();

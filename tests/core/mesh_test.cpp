@@ -67,5 +67,25 @@ TEST(TriangleMesh, append_and_validate) {
   EXPECT_THROW(a.append(b), InputError);
 }
 
+TEST(TriangleMesh, a_body_is_closed_and_a_sheet_or_a_body_with_a_hole_is_not) {
+  TriangleMesh body;
+  body.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  body.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  EXPECT_TRUE(is_closed(body));
+  TriangleMesh loose;  // as STL-like files have it: no vertex shared
+  for (const auto& triangle : body.triangles) {
+    const auto first = static_cast<std::uint32_t>(loose.vertices.size());
+    for (const std::uint32_t vertex : triangle) loose.vertices.push_back(body.vertices[vertex]);
+    loose.triangles.push_back({first, first + 1, first + 2});
+  }
+  EXPECT_TRUE(is_closed(loose));
+  body.triangles.pop_back();
+  EXPECT_FALSE(is_closed(body));
+  body.triangles.resize(1);
+  EXPECT_FALSE(is_closed(body));
+  EXPECT_FALSE(is_closed({}));
+  EXPECT_TRUE(is_closed(tree_mesh(test::small_tree())));
+}
+
 }  // namespace
 }  // namespace dendrofit

@@ -95,9 +95,44 @@ TEST(Metrics, crown_measures_of_a_square_crown) {
 }
 
 TEST(Metrics, a_leaning_stem) {
-  Tree tree;
-  tree.add({.start = {0, 0, 0}, .end = {1, 0, 1}, .parent = -1, .radius = 0.1});
-  EXPECT_NEAR(measure(tree).lean_deg, 45, 1e-9);
+  const auto leaning = [](const Vec3& top) {
+    Tree tree;
+    tree.add({.start = {0, 0, 0}, .end = top, .parent = -1, .radius = 0.1});
+    return measure(tree);
+  };
+  EXPECT_NEAR(leaning({1, 0, 1}).lean_deg, 45, 1e-9);
+  EXPECT_NEAR(leaning({1, 0, 1}).lean_azimuth_deg, 90, 1e-9);  // east
+  EXPECT_NEAR(leaning({0, -1, 2}).lean_azimuth_deg, 180, 1e-9);
+  EXPECT_NEAR(leaning({-1, 0, 2}).lean_azimuth_deg, 270, 1e-9);
+}
+
+TEST(Metrics, branch_angles_are_those_at_the_base) {
+  Tree tree = test::small_tree();
+  EXPECT_THAT(measure(tree).branch_angle_by_order_deg,
+              ElementsAre(DoubleNear(0, 1e-9), DoubleNear(90, 1e-9), DoubleNear(90, 1e-9)));
+  tree.end[4] = tree.start[5] = {1.15, 0, 3};  // 45 degrees upwards; what comes later does not count
+  EXPECT_NEAR(measure(tree).branch_angle_by_order_deg[1], 45, 1e-9);
+}
+
+TEST(Metrics, foliage_belongs_to_the_crown_and_not_to_the_wood) {
+  const Tree tree = test::small_tree();
+  const TreeMetrics bare = measure(tree), leafy = measure(tree, {}, {{-1, 2, 3}, {-1, -2, 3}, {9, 9, 0.5}});
+  EXPECT_GT(leafy.crown_area_m2, 2);
+  EXPECT_LT(leafy.crown_area_m2, 20);  // grass under the crown base is none of it
+  EXPECT_GT(leafy.crown_volume_m3, bare.crown_volume_m3);
+  EXPECT_EQ(leafy.total_volume_m3, bare.total_volume_m3);
+  EXPECT_EQ(leafy.height_m, bare.height_m);
+}
+
+TEST(Metrics, the_leaf_profile_counts_every_leaf_point_once) {
+  const std::vector<LeafLayer> layers = leaf_layers({{0, 0, 1.2}, {0, 0, 1.3}, {0, 0, 2.6}}, 0.1);
+  ASSERT_EQ(layers.size(), 4u);
+  EXPECT_EQ(layers.front().from_m, 1);
+  EXPECT_EQ(layers.front().points, 2u);
+  EXPECT_EQ(layers[1].points + layers[2].points, 0u);
+  EXPECT_EQ(layers.back().to_m, 3);
+  EXPECT_EQ(layers.back().points, 1u);
+  EXPECT_TRUE(leaf_layers({}, 0).empty());
 }
 
 }  // namespace

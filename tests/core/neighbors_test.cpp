@@ -4,6 +4,7 @@
 #include "core/random.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -33,6 +34,12 @@ TEST(Neighbors, agrees_with_brute_force) {
       EXPECT_NEAR(found[k].distance_squared, all[k].first, 1e-5);
     }
     tree.within(query, 0.4, found);
+    const auto third = [](std::uint32_t i) { return i % 3 == 0; };
+    const auto wanted = std::find_if(all.begin(), all.end(), [&](const auto& a) { return third(a.second); });
+    const auto best = tree.nearest_where(query, 2, third);
+    ASSERT_TRUE(best);
+    EXPECT_EQ(best->index, wanted->second);
+    EXPECT_FALSE(tree.nearest_where(query, 0.99 * std::sqrt(wanted->first), third));
     const auto expected =
         std::count_if(all.begin(), all.end(), [](const auto& a) { return a.first <= 0.16; });
     EXPECT_EQ(static_cast<long>(found.size()), expected);
@@ -47,6 +54,7 @@ TEST(Neighbors, few_points_give_few_neighbours) {
   const Neighbors nothing({});
   nothing.nearest(Vec3::Zero(), 3, found);
   EXPECT_TRUE(found.empty());
+  EXPECT_FALSE(nothing.nearest_where(Vec3::Zero(), 3, [](std::uint32_t) { return true; }));
   nothing.within(Vec3::Zero(), 3, found);
   EXPECT_TRUE(found.empty());
   const Neighbors one({Vec3(1, 0, 0)});

@@ -21,6 +21,7 @@ PriorBank small_bank() {
   bank.stamp = {1, 2.5f, std::numeric_limits<float>::quiet_NaN()};
   bank.descriptors.resize(3, 2);
   bank.descriptors << 0, 5, 1, std::numeric_limits<float>::quiet_NaN(), 3, 5;
+  bank.noise.push_back({(Eigen::MatrixXd(2, 2) << 4, 0.5, 0.5, 1).finished()});
   return bank;
 }
 
@@ -31,6 +32,8 @@ TEST(PriorBank, survives_being_written_and_read) {
   const PriorBank again = decode_bank(bytes, "test");
   EXPECT_EQ(again.size(), 3u);
   EXPECT_EQ(again.stamp[1], 2.5f);
+  ASSERT_EQ(again.noise.size(), 1u);
+  EXPECT_EQ(again.noise[0].covariance, bank.noise[0].covariance);
   EXPECT_NEAR(again.descriptors(1, 0), 1, 3.0 / 65534);
   EXPECT_EQ(again.descriptors(2, 1), 5);
   EXPECT_TRUE(std::isnan(again.descriptors(1, 1)));
@@ -62,6 +65,8 @@ TEST(PriorBank, draws_do_not_depend_on_each_other_and_fill_the_box) {
 TEST(PriorBank, another_model_or_other_descriptors_make_it_stale) {
   PriorBank bank;
   bank.stamp = model_stamp();
+  EXPECT_TRUE(why_stale(bank));  // without the noise between seeds
+  bank.noise.resize(kVisibleShares.size());
   EXPECT_FALSE(why_stale(bank));
   bank.stamp.back() += 0.1f;
   EXPECT_NE(why_stale(bank)->find("grows other trees"), std::string::npos);

@@ -97,6 +97,43 @@ TEST(IgmGrowth, standard_trees_match_the_authors_stored_output) {
   expect_within_2_sd(height(20), 7.9, "height at cycle 20");            // 7.5-8.3
 }
 
+// The authors' stored tree has internodes of rho v / floor(v): median 1.03 rho, longest 1.98 rho. With v of
+// the node's shoots together lengths, counts and the height at cycle 6 are theirs; with each shoot's share
+// lengths are not.
+TEST(IgmGrowth, stretched_by_the_nodes_resource_internodes_are_as_long_as_the_authors) {
+  IgmParameters p = igm_preset("standard").parameters;
+  p.cycles = 12;
+  p.stretch_internodes = true;
+  const auto median_length = [](const IgmGrowth& growth) {
+    std::vector<double> length;
+    for (std::size_t i = 0; i < growth.tree.size(); ++i) length.push_back(growth.tree.length(i) / 0.1);
+    std::nth_element(length.begin(), length.begin() + static_cast<std::ptrdiff_t>(length.size() / 2),
+                     length.end());
+    return length[length.size() / 2];
+  };
+  EXPECT_GT(median_length(test::grow_seeds(p, 1)[0]), 1.05);
+  p.stretch_by_node = true;
+  const auto grown = test::grow_seeds(p, 8);
+  EXPECT_NEAR(test::sample(grown, median_length).mean(), 1.03, 0.015);
+  for (const IgmGrowth& growth : grown)
+    for (std::size_t i = 0; i < growth.tree.size(); ++i) {
+      ASSERT_LT(growth.tree.length(i), 0.2);
+      ASSERT_GT(growth.tree.length(i), 0.1 - 1e-9);
+    }
+  const auto internodes = [&](int cycle) {
+    return test::sample(grown, [cycle](const IgmGrowth& g) {
+      return static_cast<double>(test::at_cycle(g, cycle).internodes);
+    });
+  };
+  expect_within_2_sd(internodes(8), 683, "internodes at cycle 8");
+  expect_within_2_sd(internodes(10), 1542, "internodes at cycle 10");
+  expect_within_2_sd(internodes(12), 3322, "internodes at cycle 12");
+  const test::Sample height =
+      test::sample(grown, [](const IgmGrowth& g) { return test::at_cycle(g, 6).height_m; });
+  EXPECT_GT(height.mean() + 2 * height.sd(), 2.32);
+  EXPECT_LT(height.mean() - 2 * height.sd(), 2.34);
+}
+
 TEST(IgmGrowth, table_2_rows_reach_their_printed_heights) {
   for (const char* row : {"table2-06", "table2-11"}) {
     const IgmPreset& preset = igm_preset(row);
@@ -225,7 +262,7 @@ TEST(IgmGrowth, goes_on_from_a_scanned_tree_of_any_cylinder_lengths_far_from_the
   const int b = add({3, 4, 1.83}, {3.05, 4, 2.9}, a, 0.045, 0, 0);
   add({3.05, 4, 2.9}, {3.1, 4.1, 3.3}, b, 0.03, 0, 0);
   add({3.06, 4, 2.1}, {3.9, 4.2, 2.6}, b, 0.02, 1, 1);
-  add({2.97, 4, 2.0}, {2.96, 4, 2.02}, b, 0.01, 2, 1);  // a stub
+  add({2.97, 4, 2.0}, {2.96, 4, 2.02}, b, 0.01, 2, 1);  // shorter than the bearer is thick
   IgmParameters p = igm_preset("standard").parameters;
   IgmOptions options;
   options.start = scanned;

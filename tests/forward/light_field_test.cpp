@@ -70,6 +70,38 @@ TEST(LightField, does_not_depend_on_the_order_and_can_be_taken_back) {
   EXPECT_EQ(one, other);
 }
 
+// Few voxels of a layer are summed, many are read from the drawn field; known ones get what is new.
+TEST(LightField, an_update_gives_what_reading_in_full_gives) {
+  LightField field;
+  const ShadeProfile dark(1.8), light(2.2);
+  std::vector<Voxel> at;
+  std::vector<Fixed> shade;
+  Random random(9);
+  for (std::uint64_t cycle = 0; cycle < 6; ++cycle) {
+    const ShadeProfile& profile = cycle % 2 == 0 ? dark : light;
+    const auto made = random_voxels(300, 40, 20, 110, 10 + cycle);
+    field.cast(made, profile);
+    if (cycle == 3) field.cast(random_voxels(300, 40, 20, 110, 10), dark, -1);
+    const std::size_t known = at.size();
+    // One or two a layer near the ground, many further up.
+    for (int i = 0; i < 30 + static_cast<int>(cycle) * 400; ++i)
+      at.push_back({static_cast<std::int32_t>(random.below(120)) - 60,
+                    static_cast<std::int32_t>(random.below(120)) - 60,
+                    static_cast<std::int32_t>(i < 30 ? random.below(60) : 60 + random.below(60))});
+    shade.resize(at.size(), 7);
+    field.update(at, shade, known);
+    std::vector<Fixed> full(at.size());
+    LightField afresh;
+    for (std::uint64_t past = 0; past <= cycle; ++past)
+      afresh.cast(random_voxels(300, 40, 20, 110, 10 + past), past % 2 == 0 ? dark : light);
+    if (cycle >= 3) afresh.cast(random_voxels(300, 40, 20, 110, 10), dark, -1);
+    afresh.read(at, full);
+    ASSERT_EQ(shade, full) << "cycle " << cycle;
+    field.read(std::span(at).first(10),
+               std::span(full).first(10));  // reading between updates changes nothing
+  }
+}
+
 TEST(LightField, a_single_node_shades_a_pyramid_of_12341_voxels_then_a_column) {
   LightField field;
   const ShadeProfile profile(1.8);
@@ -112,12 +144,14 @@ TEST(LightField, far_nodes_cost_memory_where_they_stand_and_the_limit_holds) {
   std::vector<Voxel> nodes;
   for (int y = 0; y < 30; ++y)
     for (int x = 0; x < 30; ++x) nodes.push_back({40 * x, 40 * y, 5});
-  std::vector<Fixed> shade(1);
-  const std::vector<Voxel> at{{1160, 1160, 3}};
+  std::vector<Voxel> at;
+  for (const Voxel& node : nodes)
+    for (int z = 0; z <= 5; ++z) at.push_back({node.x, node.y, z});
+  std::vector<Fixed> shade(at.size());
   LightField wide(1), narrow(0.03);
   wide.cast(nodes, ShadeProfile(2));
   wide.read(at, shade);
-  EXPECT_EQ(shade[0], ShadeProfile(2)[2]);
+  for (std::size_t i = 0; i < at.size(); ++i) ASSERT_EQ(shade[i], ShadeProfile(2)[5 - at[i].z]);
   narrow.cast(nodes, ShadeProfile(2));
   EXPECT_THROW(narrow.read(at, shade), InputError);
 }

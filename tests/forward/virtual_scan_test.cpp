@@ -172,6 +172,55 @@ TEST(VirtualScan, leaves_and_ground_are_told_apart_and_hide_what_is_behind) {
   EXPECT_GT(ground, 100);
 }
 
+TEST(VirtualScan, ground_slopes_and_grass_stands_on_it) {
+  ScanOptions options = ideal();
+  options.stations = 2;  // uphill and downhill
+  options.ground_radius_m = 4;
+  options.ground_slope_deg = 20;
+  options.grass_height_m = 0.3;
+  const VirtualScan scan = scan_tree(pole(0.1, 3), nullptr, options);
+  const double rise = std::tan(20 * std::numbers::pi / 180);
+  for (const Vec3& position : scan.positions)
+    EXPECT_NEAR(position.z(), rise * position.x() + options.instrument_height_m, 1e-9);
+  double grass = 0, ground = 0, mean = 0;
+  for (std::size_t i = 0; i < scan.cloud.size(); ++i) {
+    const auto what = static_cast<ScanClass>(scan.cloud.classification[i]);
+    const Vec3& p = scan.cloud.points[i];
+    const double above = p.z() - rise * p.x();
+    if (what == ScanClass::ground) {
+      ++ground;
+      ASSERT_NEAR(above, 0, 1e-5);
+    } else if (what == ScanClass::grass) {
+      ++grass;
+      mean += above;
+      ASSERT_GT(above, 0);
+      ASSERT_LE(above, 0.3 + 1e-5);
+    }
+  }
+  ASSERT_GT(ground, 500);
+  EXPECT_NEAR(ground / (ground + grass), 0.25, 0.03);
+  EXPECT_NEAR(mean / grass, 0.15, 0.02);
+  // Grass hides the foot.
+  const auto low_wood = [](const VirtualScan& of) {
+    int count = 0;
+    for (std::size_t i = 0; i < of.cloud.size(); ++i)
+      count += of.node[i] >= 0 && of.cloud.points[i].z() < 0.15;
+    return count;
+  };
+  options.grass_height_m = 0;
+  EXPECT_LT(low_wood(scan), low_wood(scan_tree(pole(0.1, 3), nullptr, options)) / 2);
+  options.grass_height_m = -1;
+  EXPECT_THROW(options.validate(), InputError);
+  options.grass_height_m = 0;
+  options.ground_slope_deg = 80;
+  EXPECT_THROW(options.validate(), InputError);
+  options.ground_slope_deg = 0;
+  options.instrument_height_m = -1;
+  EXPECT_THROW(options.validate(), InputError);
+  options.ground_radius_m.reset();
+  EXPECT_NO_THROW(options.validate());
+}
+
 TEST(VirtualScan, is_the_same_for_any_number_of_threads_and_can_be_cancelled) {
   IgmParameters p = igm_preset("standard").parameters;
   p.cycles = 7;

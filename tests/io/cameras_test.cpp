@@ -111,6 +111,13 @@ TEST_F(CamerasJson, refuses_field_by_field) {
   }
   std::ofstream(folder / "broken.json") << "{\"format\": ";
   EXPECT_THROW(read_cameras_json(folder / "broken.json"), IoError);
+  std::ofstream(folder / "broken.json") << "{\"format\": 1e999}";  // no double holds it
+  EXPECT_THROW(read_cameras_json(folder / "broken.json"), IoError);
+  const std::string open(200000, '['), close(200000, ']');  // deeper than any call stack
+  std::ofstream(folder / "broken.json") << open << close;
+  EXPECT_THROW(read_cameras_json(folder / "broken.json"), InputError);
+  std::ofstream(folder / "broken.json") << "{\"format\": " << open << close << "}";
+  EXPECT_THROW(read_cameras_json(folder / "broken.json"), InputError);
 }
 
 TEST_F(CamerasJson, halves_cameras_with_their_pictures) {

@@ -61,7 +61,9 @@ TEST(Las, KeepsTheCoordinateSystem) {
   const TemporaryFolder folder;
   PointCloud cloud = test::sample_cloud(20, kUtm);
   const std::string wkt = "PROJCRS[\"ETRS89 / UTM zone 32N\",ID[\"EPSG\",25832]]";
-  for (const std::string& crs : {std::string("EPSG:25832"), std::string("EPSG:4258"), wkt, std::string()}) {
+  for (const std::string& crs :
+       {std::string("EPSG:25832"), std::string("EPSG:4258"), std::string("EPSG:25832+7837"),
+        std::string("Local grid of the forest office"), wkt, std::string()}) {
     cloud.crs_wkt = crs;
     write_point_cloud(folder / "a.las", cloud);
     EXPECT_EQ(read_point_cloud(folder / "a.las").crs_wkt, crs);

@@ -5,6 +5,7 @@
 #include "io/birth_cycles.h"
 #include "io/file_info.h"
 #include "io/metrics_json.h"
+#include "io/read_cameras.h"
 #include "io/read_cloud.h"
 #include "io/read_foliage.h"
 #include "io/read_mesh.h"
@@ -68,6 +69,11 @@ std::function<void(const std::filesystem::path&)> tree_as(TreeFormat format) {
   return [format](const std::filesystem::path& path) { write_tree(path, test::sample_tree(), format); };
 }
 
+const std::string kCameras = R"({"format": "dendrofit-cameras", "version": 1, "units": "m", "up": [0, 0, 1],
+ "pixel_origin": "corner", "cameras": [{"id": 0, "model": "radial2", "width": 80, "height": 60, "fx": 90,
+ "fy": 90, "cx": 40, "cy": 30}], "images": [{"file": "a.jpg", "camera": 0, "camera_from_world":
+ [[1, 0, 0, 0], [0, 0, -1, 1], [0, 1, 0, 10]]}]})";
+
 std::vector<Format> formats() {
   const auto cloud = [](const std::filesystem::path& path) { write_point_cloud(path, test::sample_cloud()); };
   return {
@@ -110,6 +116,16 @@ std::vector<Format> formats() {
        false},
       {"metrics.json", [](const auto& path) { write_metrics(path, measure(test::sample_tree())); },
        [](const auto& path) { metrics_from_json(path); }, false},
+      {"cameras.json", text(kCameras),
+       [](const auto& path) {
+         try {
+           read_cameras_json(path, {.load_photos = false});
+         } catch (const InputError& error) {  // names the file and the field
+           ASSERT_THAT(error.what(), testing::StartsWith(path.filename().string()));
+           throw IoError(path.parent_path().string() + "/" + error.what());
+         }
+       },
+       false},
       {"run.toml", text("a = 1\nb = 2.5\n[t]\nc = \"x\"\nd = [1, 2.5]\n[[u]]\ne = true\n[[u]]\ne = false\n"),
        [](const auto& path) { read_toml(path); }, false},
   };

@@ -234,11 +234,25 @@ TEST(Gltf, ASceneHoldsBoth) {
                InputError);
 }
 
+TEST(Mesh, RefusesPlacesBeyondTheEarth) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(refusal([&] { read_mesh(folder.file("a.obj", "v 0 0 0\nv 1e307 0 0\nv 0 1 0\nf 1 2 3\n")); }),
+              HasSubstr("line 2: a coordinate beyond 1e9 m"));
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n0 -2e9 0\n1 0 0\n3 0 1 2\n";
+  EXPECT_THAT(refusal([&] { read_mesh(folder.file("a.ply", ply)); }), HasSubstr("1e9 m"));
+}
+
 TEST(Metrics, ReadBackAsWritten) {
   const TemporaryFolder folder;
   TreeMetrics metrics = measure(test::sample_tree());
   metrics.intervals["dbh_m"] = {0.2, 0.1, 0.3};
   metrics.crown_base_m.reset();
+  metrics.dbh_coverage = 0.75;
+  metrics.dbh_ellipse_m = {0.21, 0.19};
+  metrics.leaf_profile = {{1, 1.5, 7}};
   write_metrics(folder / "m.json", metrics);
   const TreeMetrics back = metrics_from_json(folder / "m.json");
   EXPECT_EQ(metrics_to_json(back), metrics_to_json(metrics));
@@ -246,11 +260,29 @@ TEST(Metrics, ReadBackAsWritten) {
   EXPECT_EQ(back.dbh_m, metrics.dbh_m);
   EXPECT_FALSE(back.crown_base_m.has_value());
   EXPECT_EQ(back.intervals.at("dbh_m").hi, 0.3);
+  ASSERT_EQ(back.leaf_profile.size(), 1u);
+  EXPECT_EQ(back.leaf_profile.front().points, 7u);
   const auto json = nlohmann::json::parse(content_of(folder / "m.json"));
-  for (const char* key :
-       {"height_m", "dbh_m", "dbh_height_m", "stem_volume_m3", "branch_volume_m3", "total_volume_m3",
-        "crown_base_m", "crown_diameter_m", "crown_area_m2", "crown_volume_m3", "lean_deg",
-        "branch_count_by_order", "length_by_order_m", "volume_by_order_m3", "stem_taper", "intervals"})
+  for (const char* key : {"height_m",
+                          "dbh_m",
+                          "dbh_height_m",
+                          "stem_volume_m3",
+                          "branch_volume_m3",
+                          "total_volume_m3",
+                          "crown_base_m",
+                          "crown_diameter_m",
+                          "crown_area_m2",
+                          "crown_volume_m3",
+                          "lean_deg",
+                          "branch_count_by_order",
+                          "length_by_order_m",
+                          "volume_by_order_m3",
+                          "stem_taper",
+                          "intervals",
+                          "dbh_coverage",
+                          "lean_azimuth_deg",
+                          "branch_angle_by_order_deg",
+                          "leaf_profile"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_TRUE(json["crown_base_m"].is_null());
   EXPECT_EQ(json["stem_taper"][0].size(), 2u);
@@ -258,6 +290,14 @@ TEST(Metrics, ReadBackAsWritten) {
 
 TEST(Metrics, RefuseWhatIsNoMetricsFile) {
   const TemporaryFolder folder;
+  for (const char* count : {"2.3e26", "-1", "0.5", "4000000000", "\"1\""})
+    EXPECT_THAT(
+        refusal([&] {
+          metrics_from_json(folder.file(
+              "m.json", std::string("{\"height_m\": 1, \"branch_count_by_order\": [") + count + "]}"));
+        }),
+        HasSubstr("branch_count_by_order"))
+        << count;
   EXPECT_THAT(refusal([&] { metrics_from_json(folder.file("m.json", "{\"height_m\": }")); }),
               HasSubstr("byte 14"));
   EXPECT_THAT(refusal([&] { metrics_from_json(folder.file("m.json", "{\"dbh_m\": 1}")); }),
@@ -340,6 +380,18 @@ TEST(Toml, RefusesWithFileAndLine) {
   EXPECT_THAT(complaint("\na = [1, \"x\"]\n"), HasSubstr("line 2: a: a list of several kinds"));
   EXPECT_THAT(complaint("a = 2020-01-01\n"), HasSubstr("dates"));
   EXPECT_THAT(complaint("a = " + std::string(100000, '[')), HasSubstr("line 1"));
+  EXPECT_TRUE(read_toml(folder.file("p.toml", "[a]\n[[b]]\n")).empty());
+  for (const auto& [text, name] : {std::pair("x = 1\n[a]\n", "line 2: [a]: nothing in it"),
+                                   std::pair("[[b]]\nx = 1\n[[b]]\n", "line 3: [[b]]: nothing in it")})
+    EXPECT_THAT(refusal([&] { read_toml_without_empty_tables(folder.file("p.toml", text)); }),
+                HasSubstr(name));
+}
+
+TEST(Toml, WritesTextOfAnyBytesSoThatItCanBeRead) {
+  TomlWriter writer;
+  writer.entry("file", TomlValue(std::string("B\xe4um \"\x7f\xff.las")));
+  EXPECT_EQ(std::get<std::string>(parse_toml(writer.text(), "x").at(0).value),
+            "B\xef\xbf\xbdum \"\x7f\xef\xbf\xbd.las");
 }
 
 TEST(Toml, WritesWhatReadsBack) {

@@ -44,4 +44,19 @@ inline PointCloud small_tree(double noise = 0.001) {
   return cloud;
 }
 
+/// The cloud after a file that holds its world coordinates, moved by `shift`, as doubles.
+inline PointCloud moved(const PointCloud& cloud, const Vec3& shift) {
+  PointCloud there = cloud;
+  there.origin_shift = (cloud.origin_shift + shift).array().round();
+  for (Vec3& p : there.points) p = Vec3(p + cloud.origin_shift + shift) - there.origin_shift;
+  return there;
+}
+
+/// Places in the world that scans are moved to: UTM, another grid off every decimal, next door.
+inline const std::vector<Vec3>& places() {
+  static const std::vector<Vec3> all = {
+      {500000, 5000000, 0}, {-312345.678, 6123456.789, 1234.5}, {0.4999, 1 / 3.0, -0.7}};
+  return all;
+}
+
 }  // namespace dendrofit::test

@@ -20,15 +20,28 @@ TEST(CleanScan, merges_duplicates_and_keeps_the_rest) {
 }
 
 TEST(CleanScan, is_the_same_wherever_the_cloud_stands) {
-  const PointCloud here = test::small_tree();
-  PointCloud there = here;
-  for (Vec3& p : there.points) p = Vec3(p + Vec3(500000, 5000000, 100)) - Vec3(499990, 4999990, 90);
-  there.origin_shift = Vec3(499990, 4999990, 90);
-  const CleanScan a = clean_scan(here), b = clean_scan(there);
-  ASSERT_EQ(a.points.size(), b.points.size());
-  std::size_t moved = 0;
-  for (std::size_t i = 0; i < a.points.size(); ++i) moved += (a.points[i] - b.points[i]).norm() > 1e-6;
-  EXPECT_LE(moved, 2u);  // a coordinate within a nanometre of the grid's cut
+  // Coordinates as instruments give them: doubles, single precision, tenths of a millimetre.
+  std::vector<PointCloud> clouds = {test::small_tree(), test::small_tree(0.003), test::small_tree()};
+  for (Vec3& p : clouds[1].points) p = p.cast<float>().cast<double>();
+  for (Vec3& p : clouds[2].points) p = (1e4 * p).array().round() / 1e4;
+  for (const PointCloud& here : clouds)
+    for (const double voxel : {0.004, 0.0051, 0.03})
+      for (const Vec3& place : test::places()) {
+        const PointCloud there = test::moved(here, place);
+        const CleanScan a = clean_scan(here, {.voxel_size_m = voxel}),
+                        b = clean_scan(there, {.voxel_size_m = voxel});
+        EXPECT_EQ(a.points, b.points);
+        EXPECT_EQ(a.source, b.source);
+        EXPECT_LT((b.origin_shift - a.origin_shift - place).norm(), 2e-9);
+      }
+}
+
+TEST(CleanScan, moves_no_single_point_by_more_than_the_lattice_asks) {
+  const PointCloud cloud = test::small_tree();
+  const CleanScan clean = clean_scan(cloud, {.voxel_size_m = 1e-4});
+  ASSERT_EQ(clean.points.size(), cloud.size());
+  for (std::size_t i = 0; i < clean.points.size(); ++i)
+    EXPECT_LT((clean.origin_shift + clean.points[i] - cloud.points[clean.source[i]]).norm(), 5e-5);
 }
 
 TEST(CleanScan, refuses_coordinates_that_are_not_finite) {

@@ -104,13 +104,15 @@ TEST(Reconstruct, a_gap_is_crossed_and_marked) {
 
 TEST(Reconstruct, standing_elsewhere_or_other_threads_change_nothing) {
   const PointCloud here = test::small_tree();
-  PointCloud there = here;
-  there.origin_shift = Vec3(500000, 5000000, 0);
-  const Reconstruction a = reconstruct(here, {.threads = 1}), b = reconstruct(there, {.threads = 2});
-  ASSERT_EQ(a.tree.size(), b.tree.size());
-  for (std::size_t i = 0; i < a.tree.size(); ++i) {
-    EXPECT_EQ(a.tree.radius[i], b.tree.radius[i]);
-    EXPECT_EQ(a.tree.end[i], b.tree.end[i]);
+  const Reconstruction a = reconstruct(here, {.threads = 1});
+  for (const Vec3& place : test::places()) {
+    const Reconstruction b = reconstruct(test::moved(here, place), {.threads = 2});
+    ASSERT_EQ(a.tree.size(), b.tree.size());
+    EXPECT_EQ(a.tree.radius, b.tree.radius);
+    EXPECT_EQ(a.tree.start, b.tree.start);
+    EXPECT_EQ(a.tree.end, b.tree.end);
+    EXPECT_EQ(a.tree.axis, b.tree.axis);
+    EXPECT_LT((b.foot - a.foot - place).norm(), 2e-9);
   }
 }
 
@@ -134,6 +136,15 @@ TEST(Reconstruct, empty_and_single_points_are_refused) {
   EXPECT_THROW(reconstruct(one), SolverError);
   EXPECT_THROW(reconstruct(one, {.voxel_size_m = -1}), InputError);
   EXPECT_THROW(reconstruct(one, {.dbh_height_m = 0}), InputError);
+}
+
+TEST(Reconstruct, points_on_one_line_are_no_tree) {
+  PointCloud cloud;
+  for (int i = 0; i < 500; ++i) cloud.points.push_back({0.002 * i, 0.001 * i, 0.01 * i});
+  EXPECT_THROW(reconstruct(cloud), SolverError);
+  cloud.points.clear();
+  test::add_wood(cloud, {0, 0, 0}, {0, 0, 2}, 0.004, 0.003, 0.004, 0.001);  // a thin whip is one
+  EXPECT_NO_THROW(reconstruct(cloud));
 }
 
 TEST(Reconstruct, stops_when_asked_to) {

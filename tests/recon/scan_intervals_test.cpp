@@ -71,8 +71,26 @@ TEST(ScanIntervals, foliage_may_hide_the_tip) {
   const Tree tree = forked(0.01);
   const Interval bare = with_intervals(tree, {}).intervals.at("height_m");
   const Interval leafy = with_intervals(tree, {.in_leaf = true}).intervals.at("height_m");
-  EXPECT_GT(leafy.hi, bare.hi);
-  EXPECT_EQ(leafy.lo, bare.lo);
+  EXPECT_GT(leafy.hi, bare.hi + 0.05);
+  EXPECT_LT(leafy.lo, bare.lo - 0.05);
+}
+
+TEST(ScanIntervals, the_highest_leaves_tell_a_hidden_top_and_two_strays_do_not) {
+  std::vector<Vec3> leaves(10, Vec3(0, 0, 12.5));
+  EXPECT_NEAR(height_in_leaf(2, leaves, 10), 2.47, 1e-9);
+  leaves.push_back({0, 0, 14});
+  leaves.push_back({0, 0, 15});
+  EXPECT_NEAR(height_in_leaf(2, leaves, 10), 2.47, 1e-9);
+  EXPECT_EQ(height_in_leaf(3, leaves, 10), 3);
+  EXPECT_EQ(height_in_leaf(2, {}, 10), 2);
+}
+
+TEST(ScanIntervals, halves_that_disagree_widen_them) {
+  const Tree tree = forked(0.01);
+  const SubsampleSpread far{.dbh_m = 0.004, .height_m = 0.1, .stem_share = 0.1, .branch_share = 0.3};
+  const TreeMetrics sure = with_intervals(tree, {}), unsure = with_intervals(tree, {.spread = far});
+  for (const char* name : {"dbh_m", "height_m", "stem_volume_m3", "total_volume_m3"})
+    EXPECT_GT(width(unsure, name), 1.5 * width(sure, name)) << name;
 }
 
 TEST(ScanIntervals, a_diameter_without_a_circle_is_a_guess) {

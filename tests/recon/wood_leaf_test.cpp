@@ -66,6 +66,9 @@ TEST(WoodLeaf, leaves_are_set_aside_and_wood_stays) {
   }
   EXPECT_LT(static_cast<double>(lost), 0.15 * static_cast<double>(wood));
   EXPECT_GT(static_cast<double>(found), 0.85 * static_cast<double>(cloud.size() - wood));
+  std::size_t counted = 0;
+  for (const LeafLayer& layer : r.metrics.leaf_profile) counted += layer.points;
+  EXPECT_EQ(counted, r.leaf_points.size());
   EXPECT_NEAR(r.wood_share, static_cast<double>(wood) / static_cast<double>(cloud.size()), 0.1);
 }
 
@@ -84,7 +87,7 @@ TEST(WoodLeaf, nothing_is_taken_from_a_bare_tree) {
   const Reconstruction r = reconstruct(cloud);
   EXPECT_FALSE(r.leaf_on);
   EXPECT_TRUE(r.leaf_points.empty());
-  EXPECT_TRUE(r.leaf_profile.empty());
+  EXPECT_TRUE(r.metrics.leaf_profile.empty());
   EXPECT_EQ(r.wood_share, 1);
 }
 
@@ -100,15 +103,24 @@ TEST(WoodLeaf, a_bundle_of_bare_twigs_stays_wood) {
   EXPECT_FALSE(reconstruct(cloud).leaf_on);
 }
 
-TEST(WoodLeaf, the_profile_counts_every_leaf_point_once) {
-  const std::vector<LeafLayer> layers = leaf_layers({{0, 0, 1.2}, {0, 0, 1.3}, {0, 0, 2.6}}, 0.1);
-  ASSERT_EQ(layers.size(), 4u);
-  EXPECT_EQ(layers.front().from_m, 1);
-  EXPECT_EQ(layers.front().points, 2u);
-  EXPECT_EQ(layers[1].points + layers[2].points, 0u);
-  EXPECT_EQ(layers.back().to_m, 3);
-  EXPECT_EQ(layers.back().points, 1u);
-  EXPECT_TRUE(leaf_layers({}, 0).empty());
+TEST(WoodLeaf, a_trunk_with_points_5_cm_apart_stays_wood_all_round) {
+  PointCloud cloud;
+  test::add_wood(cloud, {0, 0, 0}, {0, 0, 7}, 0.13, 0.03, 0.05, 0.004);
+  Random random = Random(5).child({2});
+  for (int k = 0; k < 5; ++k) {
+    const Vec3 base(0, 0, 3 + 0.7 * k), out(std::cos(2.4 * k), std::sin(2.4 * k), 0.5);
+    test::add_wood(cloud, base, base + 1.5 * out, 0.03, 0.01, 0.03, 0.004);
+    for (int i = 0; i < 400; ++i)
+      add_leaf(cloud, base + random.uniform(0.5, 1.7) * out + random.uniform(0.05, 0.4) * random.direction(),
+               0.04, 0.04, random);
+  }
+  const Reconstruction r = reconstruct(cloud);
+  ASSERT_TRUE(r.leaf_on);
+  std::size_t lost = 0;
+  for (const Vec3& p : r.leaf_points.points) lost += (r.leaf_points.origin_shift + p).z() < 2.5;
+  EXPECT_LT(lost, 20u);  // of some 800
+  ASSERT_TRUE(r.metrics.dbh_m);
+  EXPECT_NEAR(*r.metrics.dbh_m, 2 * (0.13 - 0.1 * 1.3 / 7), 0.02);
 }
 
 TEST(PathEvidence, straight_runs_score_higher_than_crooked_ones) {

@@ -22,6 +22,13 @@ TEST(Html, JsonStringsCannotEndTheirScript) {
 
 TEST(Html, NumbersAreShortAndNeverNan) {
   EXPECT_EQ(number(12.3456), "12.35");
+  EXPECT_EQ(measured(6.2), "6.20");
+  EXPECT_EQ(measured(0.05123), "0.0512");
+  EXPECT_EQ(measured(9.996), "10.0");
+  EXPECT_EQ(measured(-21.964), "-22.0");
+  EXPECT_EQ(measured(4958.4), "4958");
+  EXPECT_EQ(measured(0), "0.00");
+  EXPECT_EQ(measured(std::numeric_limits<double>::infinity()), "\xe2\x80\x93");
   EXPECT_EQ(number(1234567.0), "1234567");
   EXPECT_EQ(number(-1e-30 * 0.0), "0");
   EXPECT_EQ(number(0.00012345), "0.0001234");

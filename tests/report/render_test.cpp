@@ -153,6 +153,30 @@ TEST(Render, NearThingsHideFarOnes) {
   EXPECT_GT(back.r, back.b);  // the branch's orange
 }
 
+TEST(Render, WhatStandsAboutIsSeenThroughAndNeverWidensThePicture) {
+  const Tree tree = post(0.1, 2);
+  const Image alone = picture(tree, bare());
+  const auto with_wall = [&](double y) {  // before the tree where y < 0
+    TriangleMesh wall;
+    wall.vertices = {{-9, y, -9}, {9, y, -9}, {9, y, 9}, {-9, y, 9}};
+    wall.triangles = {{0, 1, 2}, {0, 2, 3}};
+    Panel panel;
+    panel.tree = &tree;
+    panel.smooth_wood = false;
+    panel.surroundings = &wall;
+    return render({&panel, 1}, bare());
+  };
+  const Image before = with_wall(-1), behind = with_wall(1);
+  ASSERT_EQ(before.width, alone.width);
+  ASSERT_EQ(before.height, alone.height);
+  const int x = alone.width / 2, y = alone.height / 2;  // wood
+  EXPECT_EQ(behind.at(x, y), alone.at(x, y));
+  EXPECT_FALSE(before.at(x, y) == alone.at(x, y));
+  EXPECT_FALSE(before.at(x, y) == before.at(2, y));  // the tree still parts from the wall
+  EXPECT_EQ(before.at(2, y), behind.at(2, y));
+  EXPECT_FALSE(before.at(2, y) == alone.at(2, y));
+}
+
 TEST(Render, GeoreferencedTreesLookTheSame) {
   RenderOptions options = bare();
   options.shadows = true;
@@ -260,6 +284,17 @@ TEST(Render, ScanSplatsCoverTheTreeTheyCameFrom) {
   EXPECT_NEAR(a.right, b.right, 3);
   EXPECT_NEAR(a.top, b.top, 4);
   EXPECT_NEAR(a.bottom, b.bottom, 4);
+}
+
+TEST(Render, places_beyond_what_single_precision_holds_leave_the_picture_whole) {
+  PointCloud cloud;
+  cloud.points = {{0, 0, 0}, {0, 0, 1}, {1e200, 0, 0}, {0, -1e39, 1e30}};
+  Panel panel;
+  panel.cloud = &cloud;
+  RenderOptions options = bare();
+  options.shadows = true;
+  const Image image = render(std::vector<Panel>{panel}, options);
+  EXPECT_GT(image.width, 0);
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ TEST(Report, AsksTheNetworkForNothing) {
     EXPECT_FALSE(has(page, word)) << word;
 }
 
-TEST(Report, SaysSoWhenTheViewIsNotBuiltIn) {
+TEST(Report, HasTheViewWhereItIsBuiltIn) {
   const test::Sample sample(500, 10);
   const std::string page = make_report(sample.data);
   EXPECT_EQ(has(page, "The 3-D view is not in this report"), !has_viewer());

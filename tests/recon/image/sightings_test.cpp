@@ -163,17 +163,44 @@ TEST(Redundancy, AnAxisThatOthersExplainIsDropped) {
   for (std::size_t i = 0; i < doubled.size(); ++i) EXPECT_EQ(keep[i] != 0, i < truth.size()) << i;
 }
 
+/// Whether the tree's part beyond `from` nodes goes on from node `tip`, each cylinder from the last.
+bool continues(const Tree& tree, std::size_t from, std::int32_t tip) {
+  for (std::size_t i = from; i < tree.size(); ++i) {
+    if (tree.parent[i] != (i == from ? tip : static_cast<std::int32_t>(i) - 1)) return false;
+    if (tree.quality[i] != RadiusQuality::extrapolated) return false;
+  }
+  return true;
+}
+
 TEST(Tips, ATwigCutShortGoesOnAsFarAsTheViewsShowIt) {
   const Tree truth = two_posts();
   const Scene s = scene(truth, 8);
   Tree cut = truth;
   cut.end[9].z() = 1.85;  // of 2
-  extend_tips(cut, s.cameras, s.outlines);
-  ASSERT_EQ(cut.size(), truth.size() + 1);
+  extend_tips(cut, s.cameras, s.outlines, 1);
+  ASSERT_GT(cut.size(), truth.size());
   cut.validate();
-  EXPECT_EQ(cut.parent.back(), 9);
+  EXPECT_TRUE(continues(cut, truth.size(), 9));
   EXPECT_NEAR(cut.end.back().z(), 2, 0.02);
-  EXPECT_EQ(cut.quality.back(), RadiusQuality::extrapolated);
+  EXPECT_EQ(cut.radius[truth.size()], cut.radius[9]);  // as all views show
+}
+
+TEST(Tips, AFewViewsMakeAThinTwigAndTwoMakeNone) {
+  const Tree truth = two_posts();
+  const Scene whole = scene(truth, 8);
+  Tree cut = truth;
+  cut.end[9].z() = 1.85;
+  Scene some = scene(cut, 8);
+  for (const std::size_t v : {0U, 3U}) some.outlines[v] = whole.outlines[v];
+  Tree grown = cut;
+  extend_tips(grown, some.cameras, some.outlines, 1);
+  EXPECT_EQ(grown.size(), cut.size());
+  some.outlines[5] = whole.outlines[5];
+  extend_tips(grown, some.cameras, some.outlines, 1);
+  ASSERT_GT(grown.size(), cut.size());
+  EXPECT_TRUE(continues(grown, cut.size(), 9));
+  EXPECT_NEAR(grown.end.back().z(), 2, 0.03);
+  EXPECT_LT(grown.radius.back(), 0.01);
 }
 
 }  // namespace

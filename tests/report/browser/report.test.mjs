@@ -113,6 +113,58 @@ const checks = {
     assert.equal((await canvasPixels(page)).hash, before.hash, 'back to the whole');
   },
 
+  async 'by keyboard: arrows turn, Page Down reads the next cylinder, Escape ends it, Home shows all'({ page }) {
+    const canvas = page.locator('#viewer canvas');
+    await page.click('#look-whole');
+    await settle(page);
+    const before = await canvasPixels(page);
+    await canvas.focus();
+    await page.keyboard.press('ArrowLeft');
+    await page.keyboard.press('+');
+    await settle(page);
+    assert.notEqual((await canvasPixels(page)).hash, before.hash, 'turning');
+    await page.keyboard.press('PageDown');
+    const first = await page.locator('#reading').innerText();
+    assert.match(first, /cylinder \d+: radius \d+\.\d+.* cm, order \d+, (measured|interpolated|allometric|extrapolated)/);
+    await page.keyboard.press('PageDown');
+    assert.notEqual(await page.locator('#reading').innerText(), first);
+    await page.keyboard.press('PageUp');
+    assert.equal(await page.locator('#reading').innerText(), first);
+    await page.keyboard.press('Escape');
+    assert.ok(!(await page.locator('#reading').isVisible()), 'Escape leaves the reading');
+    await page.keyboard.press('Home');
+    await canvas.blur();  // the focus' outline is no part of the picture
+    await settle(page);
+    assert.equal((await canvasPixels(page)).hash, before.hash, 'Home');
+  },
+
+  async 'a frame takes few draw calls, and less is drawn while turning'({ page }) {
+    const cost = () => page.locator('#viewer').getAttribute('data-cost').then(JSON.parse);
+    await settle(page);
+    const rest = await cost();
+    assert.ok(rest.calls <= 12, `${rest.calls} draw calls`);
+    await page.locator('#viewer canvas').focus();
+    for (let k = 0; k < 12; ++k) {
+      await page.keyboard.press('ArrowRight');
+      await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+    }
+    const moving = await cost();
+    console.log(`     at rest ${rest.calls} calls, ${rest.triangles} triangles, ${rest.points} points; turning ${moving.calls} calls, `
+      + `${moving.triangles} triangles, ${moving.points} points in ${moving.ms} ms`);
+    assert.ok(moving.triangles <= rest.triangles && moving.points <= rest.points);
+    await page.click('#look-whole');
+    await settle(page);
+    assert.deepEqual({ ...(await cost()), ms: 0 }, { ...rest, ms: 0 }, 'at rest again, all of it');
+  },
+
+  async 'the first screen tells height, diameter, volumes and their intervals'({ page }) {
+    const facts = await page.locator('#facts').innerText();
+    for (const word of ['Height', 'Diameter at breast height', 'Stem volume', 'Branch volume', 'Total wood volume'])
+      assert.ok(facts.includes(word), word);
+    const box = await page.locator('#facts').boundingBox();
+    assert.ok(box.y + box.height < 900, 'the facts end below the first screen');
+  },
+
   async 'the growth slider takes the tree back to its first cycles'({ page }) {
     const slider = page.locator('#cycle');
     if (!madeUp && !(await slider.count())) return 'no birth cycles in this report';
@@ -165,6 +217,17 @@ const checks = {
       assert.equal(small, 0, `${width}: ${small} labels under 9 pixels`);
     }
     await page.setViewportSize({ width: 1280, height: 900 });
+  },
+
+  async 'a view that was not touched fits its frame again after the frame changes'({ page }) {
+    await page.click('#look-whole');
+    await settle(page);
+    const before = await canvasPixels(page);
+    await page.setViewportSize({ width: 600, height: 1400 });
+    await settle(page);
+    await page.setViewportSize({ width: 1280, height: 900 });
+    await settle(page);
+    assert.equal((await canvasPixels(page)).hash, before.hash);
   },
 
   async 'it prints'({ page }) {

@@ -7,7 +7,9 @@ import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { button, checkbox, element, legend, select } from './controls.js';
 import { place, readScene } from './data.js';
 import { Detail } from './detail.js';
+import { listenToKeys } from './keys.js';
 import { ground, leafMeshes, scanPoints, shootMesh } from './others.js';
+import { read } from './reading.js';
 import { Wood } from './wood.js';
 
 function extentOf(set) {
@@ -25,7 +27,7 @@ function start(host) {
   const reading = element('div', { class: 'reading', id: 'reading', role: 'status' });
   reading.hidden = true;
   renderer.domElement.tabIndex = 0;
-  renderer.domElement.setAttribute('aria-label', 'Three-dimensional view of the tree');
+  renderer.domElement.setAttribute('aria-label', 'Three-dimensional view of the tree: arrows turn, plus and minus zoom, Home shows all, Page Down and Page Up read the cylinders');
   stage.append(renderer.domElement, reading);
 
   const scene = new Scene();
@@ -88,9 +90,12 @@ function start(host) {
     requestAnimationFrame(() => {
       due = false;
       detail.frame(() => renderer.render(scene, camera));
+      if (detail.drawn < 2) draw();
       host.dataset.moving = detail.moving ? 'yes' : 'no';
       host.dataset.detail = String(detail.shown);
       host.dataset.frames = String(Number(host.dataset.frames ?? 0) + 1);
+      const { calls, triangles, points, lines } = renderer.info.render;  // what one frame costs
+      host.dataset.cost = JSON.stringify({ calls, triangles, points, lines, ms: Math.round(10 * detail.took) / 10 });
     });
   };
   const resize = (factor = 1) => {
@@ -104,6 +109,7 @@ function start(host) {
     draw();
   };
   const detail = new Detail(renderer, Object.values(parts), resize, draw);
+  let looking;  // the direction of the last look(), until the user turns or zooms
   const look = (from) => {
     const middle = whole.getCenter(new Vector3());
     const size = whole.getSize(new Vector3());
@@ -120,10 +126,11 @@ function start(host) {
     sun.position.copy(middle).add(new Vector3(-0.6, -0.7, 1).multiplyScalar(distance));
     sun.target.position.copy(middle);
     orbit.update();
+    looking = from;
     draw();
   };
   const slanted = new Vector3(0, -0.985, 0.17);
-  orbit.addEventListener('start', () => { dragged = true; });
+  orbit.addEventListener('start', () => { dragged = true; looking = undefined; });
   orbit.addEventListener('end', () => { dragged = false; });
   orbit.addEventListener('change', () => {
     if (dragged) detail.moved();
@@ -204,34 +211,37 @@ function start(host) {
   }
 
   const ray = new Raycaster();
+  const woods = [['Model', parts.model, spot.model.group], ['Regrown', parts.regrown, spot.regrown.group]].filter(([, wood]) => wood);
+  let current;  // the cylinder that is read: { words, wood, index }
+  const tell = (next) => {
+    for (const [, wood] of woods) wood.mark(undefined);
+    current = next;
+    reading.hidden = !next;
+    if (next) read(reading, next.words, next.wood, next.index, colours);
+    draw();
+  };
   const pick = (x, y) => {
     const frame = renderer.domElement.getBoundingClientRect();
     ray.setFromCamera(new Vector2((2 * (x - frame.left)) / frame.width - 1, 1 - (2 * (y - frame.top)) / frame.height), camera);
     const slack = (3 * 2 * Math.tan((0.5 * camera.fov * Math.PI) / 180)) / frame.height;  // three pixels
     let best;
-    for (const [words, wood, group] of [['Model', parts.model, spot.model.group], ['Regrown', parts.regrown, spot.regrown.group]]) {
-      wood?.mark(undefined);
-      if (!wood?.mesh.visible) continue;
+    for (const [words, wood, group] of woods) {
+      if (!wood.mesh.visible) continue;
       const met = wood.meet(ray.ray.origin.clone().sub(group.position), ray.ray.direction, slack);
       if (met && (!best || met.distance < best.distance)) best = { ...met, words, wood };
     }
-    reading.hidden = !best;
-    if (best) {
-      const { wood, index: i } = best;
-      const { data } = wood;
-      wood.mark(i);
-      const se = data.radius_se.length && Number.isFinite(data.radius_se[i]) ? ` ± ${(100 * data.radius_se[i]).toFixed(2)}` : '';
-      const length = Math.hypot(...[0, 1, 2].map((c) => wood.end[3 * i + c] - wood.start[3 * i + c]));
-      const height = 0.5 * (wood.start[3 * i + 2] + wood.end[3 * i + 2]);
-      const born = data.birth[i] >= 0 ? `, born in cycle ${data.birth[i]}` : '';
-      reading.replaceChildren(
-        `${best.words}, cylinder ${data.id[i]}: `,
-        element('b', { id: 'picked-radius' }, `radius ${(100 * wood.radius[i]).toFixed(2)}${se} cm`),
-        `, order ${data.order[i]}, ${colours.quality[data.quality[i]][0]}, length ${(100 * length).toFixed(1)} cm, ${height.toFixed(2)} m above the foot${born}`,
-      );
-    }
-    draw();
+    tell(best);
   };
+  listenToKeys(renderer.domElement, camera, orbit, {
+    whole: () => look(slanted),
+    leave: () => tell(undefined),
+    moved: () => { looking = undefined; detail.moved(); },
+    step: (by) => {
+      const [words, wood] = current ? [current.words, current.wood] : woods.find(([, w]) => w.mesh.visible) ?? [];
+      if (!wood) return;
+      tell({ words, wood, index: current ? (current.index + by + wood.shown) % wood.shown : 0 });
+    },
+  });
   let pressed;
   renderer.domElement.addEventListener('pointerdown', (e) => { pressed = [e.clientX, e.clientY]; });
   renderer.domElement.addEventListener('pointerup', (e) => {
@@ -239,7 +249,10 @@ function start(host) {
   });
 
   host.replaceChildren(bar, stage, key, ...(growth.childElementCount ? [growth] : []));
-  new ResizeObserver(() => resize(detail.factor)).observe(stage);
+  new ResizeObserver(() => {
+    resize(detail.factor);
+    if (looking) look(looking);  // another window or a turned phone: the whole again
+  }).observe(stage);
   resize();
   if (parts.model || parts.regrown) paint('order');
   look(slanted);

@@ -38,7 +38,7 @@ export function scanPoints(set, colour, height) {
   // Points come in random order: the first of them are an even sample. Fewer are drawn larger.
   points.setDetail = (share) => {
     const count = set.data.length / 3;
-    const shown = Math.min(count, Math.max(20000, Math.round(share * count)));
+    const shown = Math.min(count, Math.max(8000, Math.round(share * count)));
     geometry.setDrawRange(0, shown);
     material.uniforms.size.value = 0.012 * Math.min(2.5, Math.sqrt(count / Math.max(1, shown)));
   };
@@ -53,9 +53,56 @@ function leafGeometry(shape) {
   return geometry;
 }
 
+/// Four corners of the blade: foot, widest left, tip, widest right; three numbers each.
+function corners(shape) {
+  const corner = (better) => {
+    let best = 0;
+    for (let k = 1; k < shape.vertices.length / 3; ++k) if (better(k, best)) best = k;
+    return new Vector3().fromArray(shape.vertices, 3 * best);
+  };
+  const x = (k) => shape.vertices[3 * k];
+  const y = (k) => shape.vertices[3 * k + 1];
+  return [corner((a, b) => y(a) < y(b)), corner((a, b) => x(a) > x(b)), corner((a, b) => y(a) > y(b)), corner((a, b) => x(a) < x(b))];
+}
+
+/// Some of the leaves as two triangles each, in one mesh without instances: what is drawn while there is little time.
+class QuickLeaves {
+  constructor(count, colour) {
+    this.positions = new Float32Array(12 * count);
+    this.normals = new Int8Array(16 * count);
+    this.count = 0;
+    this.colour = colour;
+  }
+
+  add(matrix, shape) {
+    shape.corners ??= corners(shape);
+    const at = new Vector3();
+    shape.corners.forEach((corner, c) => at.copy(corner).applyMatrix4(matrix).toArray(this.positions, 12 * this.count + 3 * c));
+    at.setFromMatrixColumn(matrix, 2).normalize();
+    for (let c = 0; c < 4; ++c) this.normals.set([127 * at.x, 127 * at.y, 127 * at.z, 0], 16 * this.count + 4 * c);
+    ++this.count;
+  }
+
+  mesh() {
+    const index = new Uint32Array(6 * this.count);
+    for (let k = 0; k < this.count; ++k) index.set([0, 1, 2, 0, 2, 3].map((c) => 4 * k + c), 6 * k);
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', new BufferAttribute(this.positions, 3));
+    geometry.setAttribute('normal', new BufferAttribute(this.normals, 4, true));
+    geometry.setIndex(new BufferAttribute(index, 1));
+    const mesh = new Mesh(geometry, new MeshLambertMaterial({ color: this.colour, side: 2 }));
+    mesh.frustumCulled = false;
+    mesh.visible = false;
+    return mesh;
+  }
+}
+
+const QUICK_LEAVES = 40000;
+
 export function leafMeshes(data, colour) {
   const group = new Group();
   const blades = [];
+  const quickLeaves = new QuickLeaves(Math.min(QUICK_LEAVES, data.shape.length), colour);
   const at = [0, 0, 0];
   const direction = new Vector3();
   const normal = new Vector3();
@@ -76,6 +123,7 @@ export function leafMeshes(data, colour) {
       place(data.origins, k, at);
       matrix.makeBasis(across, direction, normal).scale(new Vector3(length, length, length)).setPosition(at[0], at[1], at[2]);
       mesh.setMatrixAt(i, matrix);
+      if (k < QUICK_LEAVES) quickLeaves.add(matrix, shape);
       mesh.setColorAt(i, tints[(k * 7) % 3]);
     });
     mesh.frustumCulled = false;
@@ -84,11 +132,18 @@ export function leafMeshes(data, colour) {
   });
   // Leaves come in random order, as the points do.
   group.setDetail = (share) => {
-    for (const [mesh, count] of blades) mesh.count = Math.min(count, Math.max(2000, Math.round(share * count)));
+    const few = share < 0.5;
+    for (const [mesh, count] of blades) {
+      mesh.visible = !few;
+      mesh.count = Math.round(share * count);
+    }
+    quick.visible = few;
+    quick.geometry.setDrawRange(0, 6 * Math.min(quickLeaves.count, Math.max(2000, Math.round(share * data.shape.length))));
     stalks.visible = share > 0.5;
   };
   const stalks = petioles(data, colour);
-  group.add(stalks);
+  const quick = quickLeaves.mesh();
+  group.add(stalks, quick);
   return group;
 }
 

@@ -1,11 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A tree's cylinders as one instanced mesh: colours, growth through the cycles, and which one a ray meets.
-import {
-  Color, CylinderGeometry, InstancedBufferAttribute, InstancedMesh, Matrix4, MeshLambertMaterial, Quaternion, Vector3,
-} from 'three';
+// A tree's cylinders as one mesh: colours, growth through the cycles, and which one a ray meets. One mesh of all their
+// vertices, not instances: cylinders have so few vertices that an instance costs more than it saves, above all where
+// there is no graphics card.
+import { BufferAttribute, BufferGeometry, Mesh, MeshLambertMaterial, Vector3 } from 'three';
 import { place } from './data.js';
 
-const UP = new Vector3(0, 1, 0);
+const SIDES = 8;         // of a cylinder; every second one while there is little time
+const RING = 2 * SIDES;  // vertices of a cylinder: about its start, then about its end
+
+/// Two triangles a side, every `step`-th corner of the rings.
+function faces(count, step) {
+  const sides = SIDES / step;
+  const index = new Uint32Array(6 * sides * count);
+  let at = 0;
+  for (let i = 0; i < count; ++i)
+    for (let k = 0; k < SIDES; k += step) {
+      const a = RING * i + k;
+      const b = RING * i + ((k + step) % SIDES);
+      index.set([a, b, a + SIDES, b, b + SIDES, a + SIDES], at);
+      at += 6;
+    }
+  return new BufferAttribute(index, 1);
+}
 
 export class Wood {
   constructor(data, colours) {
@@ -29,67 +45,90 @@ export class Wood {
   }
 
   build() {
-    this.taper = new InstancedBufferAttribute(new Float32Array(2 * this.count), 2);
-    const cylinder = (sides) => {
-      const geometry = new CylinderGeometry(1, 1, 1, sides, 1, true);
-      geometry.translate(0, 0.5, 0);
-      geometry.setAttribute('taper', this.taper);
-      return geometry;
-    };
-    this.fine = cylinder(9);
-    this.coarse = cylinder(4);
-    const geometry = this.fine;
-    const material = new MeshLambertMaterial({ side: 2 });
-    this.pixel = { value: 0.001 };  // metres a pixel at one metre's distance
-    // The mesh's unit radius is stretched to the cylinder's own at each end, or to most of a pixel where that is more:
-    // thin twigs stay whole.
-    material.onBeforeCompile = (shader) => {
-      shader.uniforms.pixel = this.pixel;
-      shader.vertexShader = shader.vertexShader
-        .replace('#include <common>', '#include <common>\nattribute vec2 taper;\nuniform float pixel;')
-        .replace('#include <begin_vertex>',
-          `float away = -(modelViewMatrix * instanceMatrix * vec4(0.0, position.y, 0.0, 1.0)).z;
-          vec3 transformed = position;
-          transformed.xz *= max(mix(taper.x, taper.y, clamp(position.y, 0.0, 1.0)), 0.4 * pixel * away);`);
-    };
-    const mesh = new InstancedMesh(geometry, material, this.count);
+    const axis = new Float32Array(3 * RING * this.count);  // each vertex on the axis, its radius from there
+    const around = new Int8Array(4 * RING * this.count);
+    this.own = new BufferAttribute(new Float32Array(RING * this.count), 1);
+    this.colour = new BufferAttribute(new Uint8Array(4 * RING * this.count), 4, true);
     const a = new Vector3();
     const b = new Vector3();
     const along = new Vector3();
-    const turn = new Quaternion();
-    const matrix = new Matrix4();
-    const size = new Vector3();
+    const u = new Vector3();
+    const v = new Vector3();
     for (let i = 0; i < this.count; ++i) {
       a.fromArray(this.start, 3 * i);
       b.fromArray(this.end, 3 * i);
       along.subVectors(b, a);
       const length = Math.max(along.length(), 1e-6);
       along.divideScalar(length);
-      turn.setFromUnitVectors(UP, along);
       // A little overlap hides the gaps where neighbours bend; branches are sunk into their parent.
       const over = Math.min(0.35 * this.data.radius[i], 0.5 * length);
       const sunk = this.data.continues[i] || this.data.parent[i] < 0 ? 0 : this.data.radius[i];
       a.addScaledVector(along, -sunk);
-      matrix.compose(a, turn, size.set(1, length + over + sunk, 1));
-      mesh.setMatrixAt(i, matrix);
+      b.addScaledVector(along, over);
+      u.set(0, 0, 0).setComponent(Math.abs(along.x) < 0.7 ? 0 : 1, 1).cross(along).normalize();
+      v.crossVectors(along, u);
+      for (let k = 0; k < RING; ++k) {
+        const at = RING * i + k;
+        (k < SIDES ? a : b).toArray(axis, 3 * at);
+        const turn = (2 * Math.PI * k) / SIDES;
+        for (let c = 0; c < 3; ++c)
+          around[4 * at + c] = Math.round(127 * (u.getComponent(c) * Math.cos(turn) + v.getComponent(c) * Math.sin(turn)));
+      }
     }
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', new BufferAttribute(axis, 3));
+    geometry.setAttribute('normal', new BufferAttribute(around, 4, true));
+    geometry.setAttribute('own', this.own);
+    geometry.setAttribute('shade', this.colour);
+    this.fine = faces(this.count, 1);
+    this.coarse = faces(this.count, 2);
+    const material = new MeshLambertMaterial({ side: 2 });
+    this.pixel = { value: 0.001 };  // metres a pixel at one metre's distance
+    // A vertex stands off the axis by the cylinder's radius there, or by most of a pixel where that is more: thin twigs
+    // stay whole. Colours are sRGB, as written.
+    material.onBeforeCompile = (shader) => {
+      shader.uniforms.pixel = this.pixel;
+      shader.vertexShader = shader.vertexShader
+        .replace('#include <common>', '#include <common>\nattribute float own; attribute vec4 shade; uniform float pixel; varying vec3 tint;')
+        .replace('#include <begin_vertex>',
+          `float away = -(modelViewMatrix * vec4(position, 1.0)).z;
+          vec3 transformed = position + normal * max(own, 0.4 * pixel * away);
+          tint = mix(shade.rgb / 12.92, pow((shade.rgb + 0.055) / 1.055, vec3(2.4)), step(0.04045, shade.rgb));`);
+      shader.fragmentShader = shader.fragmentShader
+        .replace('#include <common>', '#include <common>\nvarying vec3 tint;')
+        .replace('#include <color_fragment>', 'diffuseColor.rgb *= tint;');
+    };
+    const mesh = new Mesh(geometry, material);
     mesh.frustumCulled = false;
+    this.use(mesh, this.fine);
     return mesh;
+  }
+
+  use(mesh, index) {
+    mesh.geometry.setIndex(index);
+    mesh.geometry.setDrawRange(0, (index.count / Math.max(1, this.count)) * this.shown);
   }
 
   /// Fewer sides while there is little time; never fewer cylinders.
   setDetail(share) {
-    this.mesh.geometry = share < 0.5 ? this.coarse : this.fine;
+    this.use(this.mesh, share < 0.5 ? this.coarse : this.fine);
   }
 
   applyRadii() {
     for (let i = 0; i < this.count; ++i) {
       const parent = this.data.parent[i];
       const joined = this.data.continues[i] && parent >= 0;
-      this.taper.array[2 * i] = joined ? 0.5 * (this.radius[i] + this.radius[parent]) : this.radius[i];
-      this.taper.array[2 * i + 1] = this.radius[i];
+      const from = RING * i;
+      this.own.array.fill(joined ? 0.5 * (this.radius[i] + this.radius[parent]) : this.radius[i], from, from + SIDES);
+      this.own.array.fill(this.radius[i], from + SIDES, from + RING);
     }
-    this.taper.needsUpdate = true;
+    this.own.needsUpdate = true;
+  }
+
+  setColour(i, words) {
+    const value = Number.parseInt(words.slice(1), 16);
+    const rgba = [value >> 16, (value >> 8) & 255, value & 255, 255];
+    for (let k = 0; k < RING; ++k) this.colour.array.set(rgba, 4 * (RING * i + k));
   }
 
   /// Wood born up to `cycle`. Radii follow the pipe rule: a cylinder's cross-section is to its final one as the ends
@@ -116,7 +155,7 @@ export class Wood {
       this.radius[i] = this.data.radius[i] * Math.sqrt(i < this.shown ? Math.max(share, 1e-4) : 1);
     }
     this.applyRadii();
-    this.mesh.count = this.shown;
+    this.use(this.mesh, this.mesh.geometry.index);
   }
 
   /// Indices so that every child comes before its parent (the arrays are sorted by birth, not by descent).
@@ -156,17 +195,16 @@ export class Wood {
     const sorted = Float32Array.from(this.data.radius).sort();
     this.logLo = Math.log(sorted[Math.floor(0.02 * (this.count - 1))]);
     this.logHi = Math.log(sorted[Math.floor(0.98 * (this.count - 1))]);
-    const colour = new Color();
-    for (let i = 0; i < this.count; ++i) this.mesh.setColorAt(i, colour.set(this.colourOf(i, mode)));
-    this.mesh.instanceColor.needsUpdate = true;
+    for (let i = 0; i < this.count; ++i) this.setColour(i, this.colourOf(i, mode));
+    this.colour.needsUpdate = true;
     this.mode = mode;
   }
 
   mark(i) {
-    if (this.marked !== undefined) this.mesh.setColorAt(this.marked, new Color(this.colourOf(this.marked, this.mode)));
+    if (this.marked !== undefined) this.setColour(this.marked, this.colourOf(this.marked, this.mode));
     this.marked = i;
-    if (i !== undefined) this.mesh.setColorAt(i, new Color('#ffe100'));
-    this.mesh.instanceColor.needsUpdate = true;
+    if (i !== undefined) this.setColour(i, '#ffe100');
+    this.colour.needsUpdate = true;
   }
 
   /// The nearest cylinder within its radius (or `slack` metres a metre of distance, for thin twigs) of the ray, in

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "recon/image/boughs.h"
+
+#include "recon/image/distance.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace dendrofit {
+namespace {
+
+using Colour = Eigen::Vector3f;
+
+constexpr float kDeep = 2;       // pixels inside wood: its own colour
+constexpr float kHueApart = 10;  // grey levels: bark and surroundings must differ by
+constexpr float kScatter = 4;    // of the surroundings' own spread that a pixel must be off
+constexpr float kLeastOff = 7;   // grey levels
+constexpr float kEdge = 1.5;     // pixels about what is surely bark
+constexpr float kFringe = 4;     // pixels beyond known wood that a bough must reach
+constexpr int kGridStep = 4;     // columns between places where the surroundings are told
+constexpr float kSure = 1.5;     // times nearer to the bark's hue than to the surroundings'
+constexpr std::uint8_t kOther = 0, kMaybe = 1, kBark = 2;
+constexpr int kCrest = 2;           // rows about the horizon
+constexpr std::size_t kFewest = 8;  // of these
+
+float middle_of(std::vector<float>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Colour colour_of(const Photograph& photo, std::size_t pixel) {
+  return {static_cast<float>(photo.rgb[3 * pixel]), static_cast<float>(photo.rgb[3 * pixel + 1]),
+          static_cast<float>(photo.rgb[3 * pixel + 2])};
+}
+
+/// Distance from the shades of a colour, dark ones and light ones.
+float off_shades(const Colour& c, const Colour& of) {
+  const float shade = std::clamp(c.dot(of) / std::max(1.0F, of.squaredNorm()), 0.3F, 1.3F);
+  return (c - shade * of).norm();
+}
+
+/// Median colour of the tree's thick wood; none where there is too little.
+std::optional<Colour> bark_of(const Photograph& photo, const std::vector<std::uint8_t>& tree) {
+  const std::vector<float> inside = distance_inside(tree, photo.width, photo.height);
+  std::array<std::vector<float>, 3> channels;
+  for (std::size_t p = 0; p < inside.size(); ++p) {
+    if (inside[p] < kDeep) continue;
+    const Colour c = colour_of(photo, p);
+    for (std::size_t k = 0; k < 3; ++k) channels[k].push_back(c[static_cast<Eigen::Index>(k)]);
+  }
+  if (channels[0].size() < 50) return std::nullopt;
+  return Colour(middle_of(channels[0]), middle_of(channels[1]), middle_of(channels[2]));
+}
+
+struct Behind {
+  Colour colour = Colour::Zero();
+  float limit = -1;  ///< how far off it a pixel must be; negative: nothing is known
+};
+
+/// The photograph evened over 3 x 3 pixels (weights 1 2 1): grain is no hue.
+class Evened {
+ public:
+  explicit Evened(const Photograph& photo) : photo_(photo) {}
+  Colour at(int x, int y) const {
+    Colour sum = Colour::Zero();
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx)
+        sum += static_cast<float>((2 - std::abs(dx)) * (2 - std::abs(dy))) *
+               colour_of(photo_, photo_.pixel(std::clamp(x + dx, 0, photo_.width - 1),
+                                              std::clamp(y + dy, 0, photo_.height - 1)));
+    return sum / 16;
+  }
+
+ private:
+  const Photograph& photo_;
+};
+
+/// What a row (its colours in `row`) shows within `reach` to either side of places `kGridStep` apart, `other`
+/// columns (wood and sky) left out.
+std::vector<Behind> behind_row(const std::vector<Colour>& row, const std::vector<std::uint8_t>& other,
+                               int reach, const Colour& bark) {
+  const int width = static_cast<int>(row.size()), step = std::max(3, reach / 40);
+  std::vector<Behind> result;
+  std::vector<Colour> samples;
+  std::vector<float> values;
+  for (int x = 0; x < width; x += kGridStep) {
+    samples.clear();
+    for (int c = std::max(0, x - reach); c <= std::min(width - 1, x + reach); c += step)
+      if (!other[static_cast<std::size_t>(c)]) samples.push_back(row[static_cast<std::size_t>(c)]);
+    Behind here;
+    if (samples.size() >= kFewest) {
+      for (Eigen::Index k = 0; k < 3; ++k) {
+        values.clear();
+        for (const Colour& c : samples) values.push_back(c[k]);
+        here.colour[k] = middle_of(values);
+      }
+      values.clear();
+      for (const Colour& c : samples) values.push_back(off_shades(c, here.colour));
+      const float scatter = middle_of(values);
+      if (off_shades(bark, here.colour) >= kHueApart) here.limit = std::max(kLeastOff, kScatter * scatter);
+    }
+    result.push_back(here);
+  }
+  return result;
+}
+
+/// Pixels below the horizon: of the bark's hue (kBark), rather of that than of their surroundings' (kMaybe).
+std::vector<std::uint8_t> bark_hued(const Photograph& photo, const SkyRatio& sky,
+                                    const std::vector<std::uint8_t>& tree, const Colour& bark) {
+  std::vector<std::uint8_t> hued(tree.size(), 0), other(static_cast<std::size_t>(photo.width));
+  std::vector<Colour> row(other.size());
+  const Evened evened(photo);
+  const int top = *std::min_element(sky.horizon.begin(), sky.horizon.end());
+  std::vector<Behind> behind;
+  for (int y = photo.height - 1; y >= std::max(0, top - kCrest); --y) {
+    for (int x = 0; x < photo.width; ++x) {
+      row[static_cast<std::size_t>(x)] = evened.at(x, y);
+      other[static_cast<std::size_t>(x)] =
+          tree[photo.pixel(x, y)] || y <= sky.horizon[static_cast<std::size_t>(x)] + 2 * kCrest;
+    }
+    // Against the wide surroundings first, then, what that shows left out, against the near ones; where a
+    // row shows none (a crest among boughs), against those of the row below.
+    for (const int reach : {photo.width / 4, std::max(24, photo.width / 33)}) {
+      std::vector<Behind> here = behind_row(row, other, reach, bark);
+      for (std::size_t k = 0; k < behind.size(); ++k)
+        if (here[k].limit < 0) here[k] = behind[k];
+      behind = std::move(here);
+      for (int x = 0; x < photo.width; ++x) {
+        const auto column = static_cast<std::size_t>(x);
+        const Behind& b = behind[column / kGridStep];
+        const int below = y - sky.horizon[column];
+        const Colour& c = row[column];
+        const float off = off_shades(c, b.colour);
+        // Along the horizon the surroundings mix with the sky to any hue, but to lighter colours.
+        // Along a crest, sky and what is below it scatter widely.
+        const float limit =
+            below > 8 * kCrest ? b.limit : std::min(b.limit, 0.6F * off_shades(bark, b.colour));
+        const float own = off_shades(c, bark);
+        const bool is = below >= -kCrest && limit >= 0 && off >= limit && off >= own &&
+                        (below > kCrest || c.sum() <= 1.15F * std::max(bark.sum(), b.colour.sum()));
+        hued[photo.pixel(x, y)] = static_cast<std::uint8_t>(!is                  ? kOther
+                                                            : off >= kSure * own ? kBark
+                                                                                 : kMaybe);
+        other[column] = other[column] || is;
+      }
+    }
+  }
+  return hued;
+}
+
+/// Marks what surely has the bark's hue, with its edges.
+std::vector<std::uint8_t> sure_of(const std::vector<std::uint8_t>& hued, int width, int height) {
+  std::vector<std::uint8_t> sure(hued.size());
+  for (std::size_t p = 0; p < hued.size(); ++p) sure[p] = hued[p] == kBark;
+  const std::vector<float> beyond = distance_outside(sure, width, height);
+  for (std::size_t p = 0; p < hued.size(); ++p) sure[p] = hued[p] != kOther && beyond[p] <= kEdge;
+  return sure;
+}
+
+/// The pieces of `hued` that touch known wood and reach beyond its fringe, none of them thicker than `most`.
+std::size_t add_touching(const std::vector<std::uint8_t>& hued, int width, int height, float most,
+                         std::vector<std::uint8_t>& tree) {
+  std::vector<std::uint8_t> own(tree.size(), 0), seen(tree.size(), 0);
+  for (std::size_t p = 0; p < tree.size(); ++p) own[p] = hued[p] && !tree[p];
+  const std::vector<float> thick = distance_inside(own, width, height);
+  const std::vector<float> beyond = distance_outside(tree, width, height);
+  std::size_t added = 0;
+  std::vector<std::size_t> piece;
+  for (std::size_t start = 0; start < own.size(); ++start) {
+    if (!own[start] || seen[start]) continue;
+    piece.assign(1, start);
+    seen[start] = 1;
+    float reach = 0, thickest = 0, nearest = 1e9F;
+    for (std::size_t k = 0; k < piece.size(); ++k) {
+      const auto w = static_cast<std::size_t>(width);
+      const int x = static_cast<int>(piece[k] % w), y = static_cast<int>(piece[k] / w);
+      reach = std::max(reach, beyond[piece[k]]);
+      nearest = std::min(nearest, beyond[piece[k]]);
+      thickest = std::max(thickest, thick[piece[k]]);
+      for (int ny = std::max(0, y - 1); ny <= std::min(height - 1, y + 1); ++ny)
+        for (int nx = std::max(0, x - 1); nx <= std::min(width - 1, x + 1); ++nx) {
+          const std::size_t q = static_cast<std::size_t>(ny) * w + static_cast<std::size_t>(nx);
+          if (!own[q] || seen[q]) continue;
+          seen[q] = 1;
+          piece.push_back(q);
+        }
+    }
+    if (nearest > 3 || reach < kFringe || thickest > most) continue;
+    for (const std::size_t p : piece) tree[p] = 1;
+    added += piece.size();
+  }
+  return added;
+}
+
+}  // namespace
+
+std::size_t grow_boughs(const Photograph& photo, const SkyRatio& sky, std::vector<std::uint8_t>& tree) {
+  const std::optional<Colour> bark = bark_of(photo, tree);
+  if (!bark) return 0;
+  const std::vector<float> inside = distance_inside(tree, photo.width, photo.height);
+  const float thickest = *std::max_element(inside.begin(), inside.end());
+  const std::vector<std::uint8_t> hued =
+      sure_of(bark_hued(photo, sky, tree, *bark), photo.width, photo.height);
+  // Pieces that touch only what was just added are reached by a second look.
+  std::size_t added = 0;
+  for (int round = 0; round < 4; ++round) {
+    const std::size_t now = add_touching(hued, photo.width, photo.height, 1.5F * thickest, tree);
+    added += now;
+    if (now == 0) break;
+  }
+  return added;
+}
+
+}  // namespace dendrofit
