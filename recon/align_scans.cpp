@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "recon/align_scans.h"
 
+#include "recon/cylinder_fit.h"
 #include "recon/scan_order.h"
 #include "recon/thick_places.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/Dense>
@@ -43,8 +45,8 @@ class ShiftFit {
     for (const ThickPlace& place : places_) circle_.emplace_back(0, 0, place.node->rough_radius_m);
   }
 
-  std::vector<Vec3> solve(int rounds) {
-    for (int round = 0; round < rounds && improve() > 1e-6; ++round) {
+  std::vector<Vec3> solve() {
+    for (int round = 0; round < kMostRounds && improve() > 1e-6; ++round) {
     }
     std::vector<Vec3> shift;
     for (std::size_t k = 0; k < view_.size(); ++k) shift.push_back(shift_of(k));
@@ -52,6 +54,7 @@ class ShiftFit {
   }
 
  private:
+  static constexpr int kMostRounds = 12;
   static constexpr double kTukey = 4.685;
   static constexpr double kRim = 0.8;  // of the radius; where beams graze wood their width sets points off it
   static constexpr double kThinNoises = 8;
@@ -158,14 +161,50 @@ class ShiftFit {
   double thin_, scale_;
 };
 
+/// Whether places that had no say in the shifts are rounder with them: the scatter about each one's own
+/// circle falls, by more than three standard errors of the mean over the places that several scans saw.
+bool rounder_with(const std::vector<Vec3>& points, const std::vector<std::uint16_t>& scan_of,
+                  const std::vector<ThickPlace>& places, const std::vector<Vec3>& shift, double noise) {
+  double count = 0, sum = 0, square = 0;
+  std::vector<Eigen::Vector2d> as_stored, moved;
+  for (const ThickPlace& place : places) {
+    as_stored.clear();
+    moved.clear();
+    bool several = false;
+    for (const std::uint32_t p : place.node->points) {
+      as_stored.push_back(place.across(points[p]));
+      moved.push_back(place.across(points[p] - shift[scan_of[p]]));
+      several = several || scan_of[p] != scan_of[place.node->points.front()];
+    }
+    if (!several) continue;
+    const CircleFit before = robust_circle(as_stored, algebraic_circle(as_stored), noise);
+    const CircleFit after = robust_circle(moved, algebraic_circle(moved), noise);
+    if (!before.ok || !after.ok || !(before.rms > 0) || !(after.rms > 0)) continue;
+    const double gain = std::log(before.rms / after.rms);
+    count += 1;
+    sum += gain;
+    square += gain * gain;
+  }
+  return sum > 3 * std::sqrt(square - sum * sum / std::max(count, 1.0)) && count > 1;
+}
+
 }  // namespace
 
 std::vector<Vec3> scan_shifts(const std::vector<Vec3>& points, const std::vector<std::uint16_t>& scan_of,
                               const std::vector<Limb>& limbs, double noise_m) {
-  constexpr int kRounds = 12;
+  constexpr std::size_t kFewestPlaces = 20;
   const std::size_t scans = *std::max_element(scan_of.begin(), scan_of.end()) + std::size_t{1};
   if (scans < 2) return {};
-  return ShiftFit(points, scan_of, thick_places(limbs, noise_m), scans, noise_m).solve(kRounds);
+  const std::vector<ThickPlace> places = thick_places(limbs, noise_m);
+  if (places.size() < kFewestPlaces) return {};
+  const auto fit = [&](const std::vector<ThickPlace>& some) {
+    return ShiftFit(points, scan_of, some, scans, noise_m).solve();
+  };
+  std::array<std::vector<ThickPlace>, 2> half;
+  for (std::size_t i = 0; i < places.size(); ++i) half[i % 2].push_back(places[i]);
+  for (std::size_t h = 0; h < 2; ++h)
+    if (!rounder_with(points, scan_of, half[1 - h], fit(half[h]), noise_m)) return {};
+  return fit(places);
 }
 
 std::vector<Vec3> align_scans(std::vector<Vec3>& points, const std::vector<std::uint32_t>& stored,

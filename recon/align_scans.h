@@ -11,9 +11,11 @@
 
 namespace dendrofit {
 
-/// How far each scan lies off their common mean (metres; nothing where all points are of one scan). Each
-/// scan's arc about thick wood has the wood's curvature and its own middle: least squares over all cylinders'
-/// middles and radii, which are the scans' in common, and the scans' shifts; Tukey's weights.
+/// How far each scan lies off their common mean (metres; nothing where all points are of one scan, or where
+/// shifts from one half of the places make the other half no rounder: nothing is moved that the wood does not
+/// ask for twice). Each scan's arc about thick wood has the wood's curvature and its own middle: least
+/// squares over all cylinders' middles and radii, which are the scans' in common, and the scans' shifts;
+/// Tukey's weights.
 std::vector<Vec3> scan_shifts(const std::vector<Vec3>& points, const std::vector<std::uint16_t>& scan_of,
                               const std::vector<Limb>& limbs, double noise_m);
 

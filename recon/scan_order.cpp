@@ -20,6 +20,7 @@ struct Stretch {
 struct Facing {
   std::uint32_t stored;
   double weight;
+  double farthest;  // cosine to the middle direction of its scan, which noise alone leads no farther around
   Vec3 out;
 };
 
@@ -79,6 +80,27 @@ std::vector<std::vector<std::size_t>> best_runs(const std::vector<Stretch>& stre
   return ends;
 }
 
+/// Largest share, among the runs that end at `ends`, of points that face farther from their run's middle
+/// direction than one scan's do.
+double most_beyond(const std::vector<Facing>& facings, const std::vector<Stretch>& stretches,
+                   const std::vector<std::size_t>& ends) {
+  double most = 0;
+  std::size_t begin = 0, f = 0;
+  for (const std::size_t end : ends) {
+    Vec3 middle = Vec3::Zero();
+    for (std::size_t s = begin; s < end; ++s) middle += stretches[s].out;
+    middle.normalize();
+    double all = 0, beyond = 0;
+    for (; f < facings.size() && (end == stretches.size() || facings[f].stored < stretches[end].first); ++f) {
+      all += facings[f].weight;
+      if (facings[f].out.dot(middle) < facings[f].farthest) beyond += facings[f].weight;
+    }
+    most = std::max(most, beyond / all);
+    begin = end;
+  }
+  return most;
+}
+
 }  // namespace
 
 std::vector<std::uint16_t> scans_by_order(const std::vector<Vec3>& points,
@@ -86,41 +108,32 @@ std::vector<std::uint16_t> scans_by_order(const std::vector<Vec3>& points,
                                           const std::vector<Limb>& limbs, double noise_m) {
   constexpr std::size_t kStretches = 512;
   constexpr std::size_t kMostScans = 16;
-  constexpr double kAround = -0.1;       // cosine to the middle direction: a scan sees no farther around
-  constexpr double kBeyond = 0.055;      // share of points that noise puts there all the same
+  constexpr double kAround = 0.05, kAroundNoises = 2;  // a scan sees half around, and noise leads beyond
+  // Share of points that lie there all the same; more where the scan is rough.
+  constexpr double kBeyond[2] = {0.03, 0.05};
   constexpr std::size_t kFewest = 2000;  // points
   std::vector<std::uint16_t> scan_of(points.size(), 0);
   std::vector<Facing> facings;
-  for (const ThickPlace& place : thick_places(limbs, noise_m))
+  for (const ThickPlace& place : thick_places(limbs, noise_m)) {
+    const double farthest = -kAround - kAroundNoises * noise_m / place.node->rough_radius_m;
     for (const std::uint32_t p : place.node->points) {
       const Eigen::Vector2d d = place.across(points[p]);
       if (std::abs(d.norm() - place.node->rough_radius_m) > 0.5 * place.node->rough_radius_m) continue;
-      facings.push_back({stored[p], place.point_weight(), (d.x() * place.u + d.y() * place.v).normalized()});
+      facings.push_back(
+          {stored[p], place.point_weight(), farthest, (d.x() * place.u + d.y() * place.v).normalized()});
     }
+  }
   if (facings.size() < kFewest) return scan_of;
   const std::vector<Stretch> stretches = stretches_of(facings, kStretches);
-  for (const std::vector<std::size_t>& ends : best_runs(stretches, kMostScans)) {
-    bool one_sided = true;
-    std::size_t begin = 0, f = 0;
-    for (const std::size_t end : ends) {
-      Vec3 middle = Vec3::Zero();
-      for (std::size_t s = begin; s < end; ++s) middle += stretches[s].out;
-      middle.normalize();
-      double all = 0, beyond = 0;
-      for (; f < facings.size() && (end == stretches.size() || facings[f].stored < stretches[end].first);
-           ++f) {
-        all += facings[f].weight;
-        if (facings[f].out.dot(middle) < kAround) beyond += facings[f].weight;
-      }
-      one_sided = one_sided && beyond <= kBeyond * all;
-      begin = end;
+  const auto divisions = best_runs(stretches, kMostScans);
+  for (const double beyond : kBeyond)
+    for (const std::vector<std::size_t>& ends : divisions) {
+      if (most_beyond(facings, stretches, ends) > beyond) continue;
+      for (std::size_t i = 0; i < points.size(); ++i)
+        for (std::size_t k = 0; k + 1 < ends.size(); ++k)
+          if (stored[i] >= stretches[ends[k]].first) scan_of[i] = static_cast<std::uint16_t>(k + 1);
+      return scan_of;
     }
-    if (!one_sided) continue;
-    for (std::size_t i = 0; i < points.size(); ++i)
-      for (std::size_t k = 0; k + 1 < ends.size(); ++k)
-        if (stored[i] >= stretches[ends[k]].first) scan_of[i] = static_cast<std::uint16_t>(k + 1);
-    break;
-  }
   return scan_of;
 }
 

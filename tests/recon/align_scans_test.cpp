@@ -90,6 +90,21 @@ TEST(AlignScans, points_without_order_count_as_one_scan) {
   EXPECT_TRUE(align_scans(s.points, s.stored, s.limbs, kNoise).empty());
 }
 
+TEST(AlignScans, scans_without_shifts_stay_where_they_are) {
+  Scanned s = scanned({Vec3::Zero(), Vec3::Zero(), Vec3::Zero()});
+  const std::vector<Vec3> before = s.points;
+  EXPECT_TRUE(align_scans(s.points, s.stored, s.limbs, kNoise).empty());
+  EXPECT_EQ(before, s.points);
+}
+
+TEST(AlignScans, shifts_that_rest_on_a_wrong_division_are_refused) {
+  const Scanned s = scanned(kShifts);
+  std::vector<std::uint16_t> wrong(s.scan_of.size());
+  for (std::size_t i = 0; i < wrong.size(); ++i) wrong[i] = static_cast<std::uint16_t>(i % 3);
+  EXPECT_FALSE(scan_shifts(s.points, s.scan_of, s.limbs, kNoise).empty());
+  EXPECT_TRUE(scan_shifts(s.points, wrong, s.limbs, kNoise).empty());
+}
+
 TEST(AlignScans, a_single_scan_stays_where_it_is) {
   Scanned s = scanned({{0.004, 0, 0}});
   const std::vector<Vec3> before = s.points;
