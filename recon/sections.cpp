@@ -153,6 +153,7 @@ class Cutter {
 
   void grow(std::size_t index) {
     float end = 0;
+    std::size_t heir = 0;  // the section in which thick wood goes on from here, once it has one
     for (std::vector<std::uint32_t> reached = next_points(index, end); !reached.empty();
          reached = next_points(index, end)) {
       Section parent;  // without its points: sections_ grows below
@@ -164,10 +165,30 @@ class Cutter {
       merge_within(groups, parent);
       gather_course(groups, parent);
       for (Group& group : groups) {
+        const bool round = group.main && parent.radius_m > kSurface * settings_.noise_m;
+        if (round && heir != 0 && joins(group, parent, sections_[heir])) continue;
+        if (round && heir == 0) heir = sections_.size();
         add(static_cast<std::int32_t>(index), parent, group);
         end_.push_back(end);
       }
     }
+  }
+
+  /// Paths up one side of thick wood may be longer than those up the other: what lies beside the heir is the
+  /// rest of its surface, not a second piece of wood in the same place.
+  bool joins(const Group& group, const Section& parent, Section& heir) {
+    const double ahead = (group.mean - parent.centre).dot(parent.direction);
+    if (ahead > 2 * step(parent)) return false;
+    Group both;
+    both.points = heir.points;
+    both.points.insert(both.points.end(), group.points.begin(), group.points.end());
+    set_mean(both);
+    const std::uint32_t id = group_[heir.points.front()];
+    for (const std::uint32_t p : group.points) group_[p] = id;
+    continue_cylinder(parent, both, heir);
+    heir.extent_m = extent(both, heir.direction);
+    heir.points = std::move(both.points);
+    return true;
   }
 
   /// Number of 24 sectors of the section's prolonged surface in which a group has points.
