@@ -2,6 +2,7 @@
 #include "recon/reconstruct.h"
 
 #include "core/errors.h"
+#include "recon/align_scans.h"
 #include "recon/build_tree.h"
 #include "recon/foot.h"
 #include "recon/forks.h"
@@ -187,6 +188,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
 
   std::vector<Section> sections = cut_sections(scan.points, graph, paths, tree_feet, progress);
   clock.mark("sections");
+  if (getenv("DUMP")) { FILE* f = fopen(getenv("DUMP"), "w"); for (size_t i = 0; i < sections.size(); ++i) { auto& q = sections[i]; fprintf(f, "%zu %d %.4f %.4f %.4f %.4f %.4f %zu %.3f %d %.3f %.3f %.3f\n", i, q.parent, q.centre.x()+scan.origin_shift.x(), q.centre.y()+scan.origin_shift.y(), q.centre.z()+scan.origin_shift.z(), q.radius_m, q.extent_m, q.points.size(), q.coasted_m, int(q.after_gap), q.direction.x(), q.direction.y(), q.direction.z()); } fclose(f); }
 
   const std::vector<Bridge> mended =
       mend_cut_branches(scan.points, sections, graph.typical_spacing_m, options.max_gap_m);
@@ -210,6 +212,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   Sights sights = look_at_limbs(scan.points, limbs, seeing, progress);
   seeing.noise_m = scan_noise(limbs, sights, seeing.noise_m, radius_options);
   centre_limbs(limbs, sights, seeing);
+  result.scan_shifts = align_scans(scan.points, scan.source, limbs, seeing.noise_m);
   lead_limbs_back(scan.points, limbs, graph.typical_spacing_m);
   centre_limbs(limbs, look_at_limbs(scan.points, limbs, seeing, progress), seeing);
   progress.end();

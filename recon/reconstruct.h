@@ -46,12 +46,13 @@ struct Reconstruction {
 
   Vec3 foot = Vec3::Zero();  ///< world position of the first stem's foot
   bool ground_found = false;
-  bool leaf_on = false;       ///< the verdict on the scan, see separate_leaves()
-  double leafy_share = 0;     ///< what it rests on: share of points in leaf-like places,
-  double straight_share = 1;  ///< and share of straight ones among the paths that bear something
-  double wood_share = 1;      ///< of the points that belong to the tree
-  double noise_m = 0;         ///< spread of points about the wood, one standard deviation
-  double spacing_m = 0;       ///< usual distance of a point's fourth neighbour
+  bool leaf_on = false;           ///< the verdict on the scan, see separate_leaves()
+  double leafy_share = 0;         ///< what it rests on: share of points in leaf-like places,
+  double straight_share = 1;      ///< and share of straight ones among the paths that bear something
+  double wood_share = 1;          ///< of the points that belong to the tree
+  double noise_m = 0;             ///< spread of points about the wood, one standard deviation
+  std::vector<Vec3> scan_shifts;  ///< by which the scans in the file lay off each other, see align_scans()
+  double spacing_m = 0;           ///< usual distance of a point's fourth neighbour
   std::size_t raw_points = 0;
   std::size_t clean_points = 0;   ///< after merging near duplicates
   std::size_t ground_points = 0;  ///< ground and low vegetation
