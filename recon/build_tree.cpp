@@ -18,9 +18,9 @@ bool closes(const Limb& limb, const Vec3& from, std::size_t first, std::size_t l
   const Vec3 chord = end.centre - from;
   const double length = chord.norm(), few_radii = 3 * end.radius_m;
   if (length >= std::clamp(few_radii, 0.08, 0.15)) return true;
-  constexpr double kThin = 0.01;  // thinner wood's line bends by noise alone
-  if (end.radius_m < kThin || length < std::clamp(few_radii, 0.04, 0.15)) return false;
-  const double bend = std::max(0.0015, 0.1 * end.radius_m);
+  constexpr double kThin = 0.01;  // thinner wood's line bends by noise too
+  if (length < std::clamp(few_radii, 0.02, 0.15)) return false;
+  const double bend = end.radius_m < kThin ? 0.003 : std::max(0.0015, 0.1 * end.radius_m);
   for (std::size_t k = first; k < last; ++k) {
     const Vec3 d = limb.nodes[k].centre - from;
     if ((d - chord * (d.dot(chord) / (length * length))).norm() > bend) return true;
