@@ -2,7 +2,6 @@
 #include "recon/sections.h"
 
 #include "recon/cylinder_fit.h"
-#include "recon/section_course.h"
 
 #include <algorithm>
 #include <bit>
@@ -11,6 +10,8 @@
 #include <numbers>
 #include <queue>
 #include <span>
+
+#include <Eigen/Dense>
 
 namespace dendrofit {
 namespace {
@@ -133,8 +134,7 @@ class Cutter {
             group_[v] = id;
             group.points.push_back(v);
           }
-      for (const std::uint32_t p : group.points)
-        group.mean += points_[p] / static_cast<double>(group.points.size());
+      set_mean(group);
       groups.push_back(std::move(group));
     }
     return groups;
@@ -153,6 +153,7 @@ class Cutter {
 
   void grow(std::size_t index) {
     float end = 0;
+    std::size_t heir = 0;  // the section in which thick wood goes on from here, once it has one
     for (std::vector<std::uint32_t> reached = next_points(index, end); !reached.empty();
          reached = next_points(index, end)) {
       Section parent;  // without its points: sections_ grows below
@@ -162,11 +163,32 @@ class Cutter {
       parent.coasted_m = sections_[index].coasted_m;
       std::vector<Group> groups = groups_of(reached, parent);
       merge_within(groups, parent);
+      gather_course(groups, parent);
       for (Group& group : groups) {
+        const bool round = group.main && parent.radius_m > kSurface * settings_.noise_m;
+        if (round && heir != 0 && joins(group, parent, sections_[heir])) continue;
+        if (round && heir == 0) heir = sections_.size();
         add(static_cast<std::int32_t>(index), parent, group);
         end_.push_back(end);
       }
     }
+  }
+
+  /// Paths up one side of thick wood may be longer than those up the other: what lies beside the heir is the
+  /// rest of its surface, not a second piece of wood in the same place.
+  bool joins(const Group& group, const Section& parent, Section& heir) {
+    const double ahead = (group.mean - parent.centre).dot(parent.direction);
+    if (ahead > 2 * step(parent)) return false;
+    Group both;
+    both.points = heir.points;
+    both.points.insert(both.points.end(), group.points.begin(), group.points.end());
+    set_mean(both);
+    const std::uint32_t id = group_[heir.points.front()];
+    for (const std::uint32_t p : group.points) group_[p] = id;
+    continue_cylinder(parent, both, heir);
+    heir.extent_m = extent(both, heir.direction);
+    heir.points = std::move(both.points);
+    return true;
   }
 
   /// Number of 24 sectors of the section's prolonged surface in which a group has points.
@@ -217,13 +239,101 @@ class Cutter {
     std::erase_if(groups, [](const Group& g) { return g.points.empty(); });
   }
 
-  bool continue_course(const Section& parent, const Group& group, Section& s) const {
+  /// In a crotch the wood's surface and the branch that leaves are one connected group: thick wood takes what
+  /// lies on its course from all groups, where that shows twice as much of its surface as its own group does.
+  void gather_course(std::vector<Group>& groups, const Section& parent) {
+    constexpr int kFewestSectors = 10;
+    const auto main = std::find_if(groups.begin(), groups.end(), [](const Group& g) { return g.main; });
+    if (groups.size() < 2 || main == groups.end() || parent.radius_m < kSurface * settings_.noise_m) return;
+    Group all;
+    for (const Group& g : groups) all.points.insert(all.points.end(), g.points.begin(), g.points.end());
+    Section course;
+    if (!continue_cylinder(parent, all, course)) return;
+    const int sectors = sectors_of(all, course);
+    if (sectors < kFewestSectors || sectors < 2 * sectors_of(*main, course)) return;
+    const double reach = course.radius_m + std::max(settings_.noise_m, 0.1 * course.radius_m);
+    Group taken;
+    taken.main = true;
+    const std::uint32_t id = next_group_++;
+    for (Group& g : groups) {
+      std::vector<std::uint32_t> left;
+      for (const std::uint32_t p : g.points) {
+        const Vec3 d = points_[p] - course.centre;
+        const bool on = g.main || (d - course.direction * d.dot(course.direction)).norm() <= reach;
+        (on ? taken.points : left).push_back(p);
+      }
+      g.points = std::move(left);
+      set_mean(g);
+    }
+    std::erase_if(groups, [](const Group& g) { return g.points.empty(); });
+    for (const std::uint32_t p : taken.points) group_[p] = id;
+    set_mean(taken);
+    groups.insert(groups.begin(), std::move(taken));
+  }
+
+  void set_mean(Group& group) const {
+    group.mean.setZero();
+    for (const std::uint32_t p : group.points)
+      group.mean += points_[p] / static_cast<double>(group.points.size());
+  }
+
+  /// Thick wood goes on as the parent's cylinder foretells: the circle that its points and that forecast make
+  /// most likely. A strip of the surface is enough to keep the course, since the radius hardly changes from
+  /// one section to the next; branches that leave within the group get no weight (Tukey).
+  bool continue_cylinder(const Section& parent, const Group& group, Section& s) const {
+    constexpr double kShift = 0.06, kChange = 0.06;  // standard deviations a section, in radii
+    constexpr std::size_t kFewest = 5;
+    constexpr double kTukey = 4.685;
+    // What points scatter about the surface: bark and noise, never as much as the radius itself.
+    const double noise =
+        std::min(std::max(0.25 * graph_.typical_spacing_m, 0.05 * parent.radius_m), 0.12 * parent.radius_m);
     if (parent.radius_m < 2.5 * settings_.noise_m) return false;
-    const auto next = next_on_course(points_, group.points, parent, graph_.typical_spacing_m);
-    if (!next) return false;
-    s.centre = next->centre;
-    s.direction = next->direction;
-    s.radius_m = next->radius_m;
+    Vec3 u, v;
+    plane_frame(parent.direction, u, v);
+    std::vector<Eigen::Vector2d> flat;
+    double along = 0, near = 0;
+    for (const std::uint32_t p : group.points) {
+      const Vec3 d = points_[p] - parent.centre;
+      flat.emplace_back(d.dot(u), d.dot(v));
+      if (std::abs(flat.back().norm() - parent.radius_m) > 3 * noise) continue;
+      along += d.dot(parent.direction);
+      near += 1;
+    }
+    if (near < static_cast<double>(kFewest) || along <= 0) return false;
+    along /= near;
+    const double shift_weight = std::pow(noise / (kShift * parent.radius_m), 2);
+    const double change_weight = std::pow(noise / (kChange * parent.radius_m), 2);
+    Eigen::Vector3d circle(0, 0, parent.radius_m);  // centre and radius
+    std::size_t inliers = 0;
+    for (int iteration = 0; iteration < 8; ++iteration) {
+      Eigen::Matrix3d normal = Eigen::Vector3d(shift_weight, shift_weight, change_weight).asDiagonal();
+      Eigen::Vector3d gradient(shift_weight * circle.x(), shift_weight * circle.y(),
+                               change_weight * (circle.z() - parent.radius_m));
+      inliers = 0;
+      for (const Eigen::Vector2d& p : flat) {
+        const Eigen::Vector2d d = p - circle.head<2>();
+        const double distance = d.norm();
+        const double residual = distance - circle.z();
+        const double off = residual / (kTukey * noise);
+        if (std::abs(off) >= 1 || distance <= 0) continue;
+        const double w = (1 - off * off) * (1 - off * off);
+        const Eigen::Vector3d row(-d.x() / distance, -d.y() / distance, -1);
+        normal += w * row * row.transpose();
+        gradient += w * residual * row;
+        inliers += std::abs(residual) < 2 * noise;
+      }
+      const Eigen::Vector3d change = normal.ldlt().solve(gradient);
+      circle -= change;
+      if (change.norm() < 1e-6) break;
+    }
+    if (inliers < kFewest || circle.z() < 0.65 * parent.radius_m || circle.z() > 1.12 * parent.radius_m ||
+        circle.head<2>().norm() > 0.4 * parent.radius_m)
+      return false;
+    s.centre = parent.centre + along * parent.direction + circle.x() * u + circle.y() * v;
+    s.radius_m = circle.z();
+    const Vec3 ahead = s.centre - parent.centre;
+    const double share = ahead.norm() / (ahead.norm() + 2 * parent.radius_m);
+    s.direction = ((1 - share) * parent.direction + share * ahead.normalized()).normalized();
     return true;
   }
 
@@ -276,7 +386,7 @@ class Cutter {
       narrowest = std::min(narrowest, (points_[p] - points_[q]).norm());
     }
     s.after_gap = links > 0 && narrowest > 4 * graph_.typical_spacing_m;
-    if (group.main && continue_course(parent, group, s)) return s;
+    if (group.main && continue_cylinder(parent, group, s)) return s;
     const Vec3 ahead = group.mean - parent.centre;
     const double along = ahead.dot(parent.direction);
     const double aside = (ahead - parent.direction * along).norm();

@@ -54,30 +54,37 @@ void take_away(std::vector<Limb>& limbs, const Owners& owners) {
 
 void hand_over_points(const std::vector<Vec3>& points, const PointGraph& graph, std::vector<Limb>& limbs,
                       double noise_m) {
+  constexpr int kPasses = 3;  // the way from a limb's edge to a point's own neighbours
   const Owners before(points.size(), limbs);
-  Owners after = before;
+  Owners owners = before;
+  std::vector<std::uint32_t> off;
+  std::vector<double> least(points.size(), 0);
   for (std::uint32_t p = 0; p < points.size(); ++p) {
-    if (before.limb[p] == kNobody) continue;
-    const Limb& own = limbs[static_cast<std::size_t>(before.limb[p])];
-    const LimbPlace place = place_near(own, points[p], before.node[p]);
-    double least = std::abs(off_surface(place));
-    if (least <= tolerance(place.radius_m, noise_m)) continue;
-    for (const std::uint32_t v : graph.of(p)) {
-      if (before.limb[v] == kNobody || before.limb[v] == before.limb[p]) continue;
-      const Limb& other = limbs[static_cast<std::size_t>(before.limb[v])];
-      const LimbPlace there = place_near(other, points[p], before.node[v]);
-      const double off = std::abs(off_surface(there));
-      if (off >= least || off > tolerance(there.radius_m, noise_m)) continue;
-      least = off;
-      after.limb[p] = before.limb[v];
-      after.node[p] = static_cast<std::int32_t>(there.node);
-    }
+    if (owners.limb[p] == kNobody) continue;
+    const LimbPlace place =
+        place_near(limbs[static_cast<std::size_t>(owners.limb[p])], points[p], owners.node[p]);
+    least[p] = std::abs(off_surface(place));
+    if (least[p] > tolerance(place.radius_m, noise_m)) off.push_back(p);
   }
-  take_away(limbs, after);
-  for (std::uint32_t p = 0; p < points.size(); ++p)
-    if (after.limb[p] != before.limb[p])
-      limbs[static_cast<std::size_t>(after.limb[p])]
-          .nodes[static_cast<std::size_t>(after.node[p])]
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const Owners last = owners;
+    for (const std::uint32_t p : off)
+      for (const std::uint32_t v : graph.of(p)) {
+        if (last.limb[v] == kNobody || last.limb[v] == owners.limb[p]) continue;
+        const Limb& other = limbs[static_cast<std::size_t>(last.limb[v])];
+        const LimbPlace there = place_near(other, points[p], last.node[v]);
+        const double distance = std::abs(off_surface(there));
+        if (distance >= least[p] || distance > tolerance(there.radius_m, noise_m)) continue;
+        least[p] = distance;
+        owners.limb[p] = last.limb[v];
+        owners.node[p] = static_cast<std::int32_t>(there.node);
+      }
+  }
+  take_away(limbs, owners);
+  for (const std::uint32_t p : off)
+    if (owners.limb[p] != before.limb[p] || owners.node[p] != before.node[p])
+      limbs[static_cast<std::size_t>(owners.limb[p])]
+          .nodes[static_cast<std::size_t>(owners.node[p])]
           .points.push_back(p);
 }
 
