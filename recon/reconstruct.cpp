@@ -227,7 +227,6 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   divide_long_stretches(scan.points, limbs, graph.typical_spacing_m);
   lead_limbs_back(scan.points, limbs, graph.typical_spacing_m);
   hand_over_points(scan.points, graph, limbs, seeing.noise_m);
-  centre_limbs(limbs, look_at_limbs(scan.points, limbs, seeing, progress), seeing);
   grow_side_shoots(scan.points, graph, paths, limbs, seeing.noise_m, skeleton_options);
   centre_limbs(limbs, look_at_limbs(scan.points, limbs, seeing, progress), seeing);
   hand_over_points(scan.points, graph, limbs, seeing.noise_m);
