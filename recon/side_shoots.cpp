@@ -92,6 +92,7 @@ void grow_side_shoots(const std::vector<Vec3>& points, const PointGraph& graph, 
                       std::vector<Limb>& limbs, double noise_m, const SkeletonOptions& options) {
   options.validate();
   constexpr std::size_t kFewest = 4;
+  constexpr double kThick_m = 0.02, kSlim = 0.35;
   const double spacing = graph.typical_spacing_m;
   const double shortest = std::max({options.shortest_limb_m, 1.2 * spacing, 4 * noise_m});
   const double step = std::max(0.02, 2.5 * spacing);
@@ -167,6 +168,8 @@ void grow_side_shoots(const std::vector<Vec3>& points, const PointGraph& graph, 
         square +=
             std::pow(nearest_place(limb, points[p], k - 1, std::min(k, limb.nodes.size() - 2)).distance_m, 2);
     const double rough = std::sqrt(square / static_cast<double>(shoot.size()));
+    // What is wide beside thick wood is its own surface about a line that lies wrong.
+    if (at.radius_m > std::max(kThick_m, 4 * noise_m) && rough > kSlim * at.radius_m) continue;
     for (LimbNode& node : limb.nodes) node.rough_radius_m = std::min(rough, at.radius_m);
     const auto id = static_cast<std::int32_t>(limbs.size());
     for (std::size_t k = 1; k < limb.nodes.size(); ++k)
