@@ -85,7 +85,7 @@ CircleFit sound_circle(const View& view, const LimbNode& node, double apparent, 
   if (!fit.ok || fit.radius > 2.5 * std::max(apparent, node.rough_radius_m)) return {};
   fit = robust_circle(view.flat, fit, noise);
   const bool sound = fit.ok && fit.coverage >= 0.3 && fit.radius > 2.5 * noise &&
-                     fit.rms < std::max(1.5 * noise, 0.25 * fit.radius) && 2 * fit.inliers >= view.flat.size() &&
+                     fit.rms < std::max(1.5 * noise, 0.3 * fit.radius) && 2 * fit.inliers >= view.flat.size() &&
                      fit.radius < 2.2 * node.rough_radius_m + noise;
   return sound ? fit : CircleFit{};
 }
