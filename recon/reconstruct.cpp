@@ -218,8 +218,8 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   hand_over_points(scan.points, graph, limbs, seeing.noise_m);
   grow_side_shoots(scan.points, graph, paths, limbs, seeing.noise_m, skeleton_options);
   centre_limbs(limbs, look_at_limbs(scan.points, limbs, seeing, progress), seeing);
-  hand_over_points(scan.points, graph, limbs, seeing.noise_m);
-  centre_limbs(limbs, look_at_limbs(scan.points, limbs, seeing, progress), seeing);
+  const std::vector<char> changed = hand_over_points(scan.points, graph, limbs, seeing.noise_m);
+  centre_limbs(limbs, look_at_some_limbs(scan.points, limbs, changed, seeing, progress), seeing);
   progress.end();
   clock.mark("centre lines");
 

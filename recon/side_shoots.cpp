@@ -52,8 +52,8 @@ void take_away(std::vector<Limb>& limbs, const Owners& owners) {
 
 }  // namespace
 
-void hand_over_points(const std::vector<Vec3>& points, const PointGraph& graph, std::vector<Limb>& limbs,
-                      double noise_m) {
+std::vector<char> hand_over_points(const std::vector<Vec3>& points, const PointGraph& graph,
+                                   std::vector<Limb>& limbs, double noise_m) {
   constexpr int kPasses = 3;  // the way from a limb's edge to a point's own neighbours
   const Owners before(points.size(), limbs);
   Owners owners = before;
@@ -81,11 +81,14 @@ void hand_over_points(const std::vector<Vec3>& points, const PointGraph& graph, 
       }
   }
   take_away(limbs, owners);
-  for (const std::uint32_t p : off)
-    if (owners.limb[p] != before.limb[p] || owners.node[p] != before.node[p])
-      limbs[static_cast<std::size_t>(owners.limb[p])]
-          .nodes[static_cast<std::size_t>(owners.node[p])]
-          .points.push_back(p);
+  std::vector<char> changed(limbs.size(), 0);
+  for (const std::uint32_t p : off) {
+    if (owners.limb[p] == before.limb[p] && owners.node[p] == before.node[p]) continue;
+    const auto to = static_cast<std::size_t>(owners.limb[p]);
+    limbs[to].nodes[static_cast<std::size_t>(owners.node[p])].points.push_back(p);
+    changed[to] = changed[static_cast<std::size_t>(before.limb[p])] = 1;
+  }
+  return changed;
 }
 
 void grow_side_shoots(const std::vector<Vec3>& points, const PointGraph& graph, const Paths& paths,

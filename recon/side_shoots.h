@@ -11,9 +11,10 @@
 
 namespace dendrofit {
 
-/// Hands points that lie off their limb's surface to the limb next to them on whose surface they lie.
-void hand_over_points(const std::vector<Vec3>& points, const PointGraph& graph, std::vector<Limb>& limbs,
-                      double noise_m);
+/// Hands points that lie off their limb's surface to the limb next to them on whose surface they lie. Returns
+/// which limbs gave or got some.
+std::vector<char> hand_over_points(const std::vector<Vec3>& points, const PointGraph& graph,
+                                   std::vector<Limb>& limbs, double noise_m);
 
 /// Connected points off their limb's surface that reach farther out than `shortest_limb_m` (beyond what noise
 /// and the bearer's roughness explain) become limbs of their own, led along the paths. They take their points

@@ -85,8 +85,8 @@ CircleFit sound_circle(const View& view, const LimbNode& node, double apparent, 
   if (!fit.ok || fit.radius > 2.5 * std::max(apparent, node.rough_radius_m)) return {};
   fit = robust_circle(view.flat, fit, noise);
   const bool sound = fit.ok && fit.coverage >= 0.3 && fit.radius > 2.5 * noise &&
-                     fit.rms < std::max(1.5 * noise, 0.3 * fit.radius) && 2 * fit.inliers >= view.flat.size() &&
-                     fit.radius < 2.2 * node.rough_radius_m + noise;
+                     fit.rms < std::max(1.5 * noise, 0.3 * fit.radius) &&
+                     2 * fit.inliers >= view.flat.size() && fit.radius < 2.2 * node.rough_radius_m + noise;
   return sound ? fit : CircleFit{};
 }
 
@@ -94,12 +94,18 @@ CircleFit sound_circle(const View& view, const LimbNode& node, double apparent, 
 
 Sights look_at_limbs(const std::vector<Vec3>& points, const std::vector<Limb>& limbs,
                      const SightOptions& options, Progress& progress) {
+  return look_at_some_limbs(points, limbs, std::vector<char>(limbs.size(), 1), options, progress);
+}
+
+Sights look_at_some_limbs(const std::vector<Vec3>& points, const std::vector<Limb>& limbs,
+                          const std::vector<char>& wanted, const SightOptions& options, Progress& progress) {
   Sights sights(limbs.size());
   parallel_blocks(limbs.size(), 64, options.threads, [&](std::size_t first, std::size_t last) {
     progress.check();
     View view;
     std::vector<double> scratch;
     for (std::size_t l = first; l < last; ++l) {
+      if (!wanted[l]) continue;
       const Limb& limb = limbs[l];
       sights[l].assign(limb.nodes.size(), {});
       for (std::size_t i = 0; i < limb.nodes.size(); ++i) {
@@ -137,6 +143,7 @@ Sights look_at_limbs(const std::vector<Vec3>& points, const std::vector<Limb>& l
 void centre_limbs(std::vector<Limb>& limbs, const Sights& sights, const SightOptions& options) {
   std::vector<Vec3> next;
   for (std::size_t l = 0; l < limbs.size(); ++l) {
+    if (sights[l].empty()) continue;
     Limb& limb = limbs[l];
     const std::size_t n = limb.nodes.size();
     next.resize(n);
