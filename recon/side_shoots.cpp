@@ -50,6 +50,54 @@ void take_away(std::vector<Limb>& limbs, const Owners& owners) {
       });
 }
 
+/// A limb from the first of `shoot` (in the order of their paths' lengths) through the middles of slices of
+/// the others, a `step` of path each.
+Limb lead_along_paths(const std::vector<Vec3>& points, const Paths& paths,
+                      const std::vector<std::uint32_t>& shoot, double step) {
+  Limb limb;
+  limb.nodes.emplace_back();
+  limb.nodes.front().centre = points[shoot.front()];
+  const float begin = paths.length[shoot.front()], whole = paths.length[shoot.back()] - begin;
+  const std::size_t slices =
+      std::max<std::size_t>(1, static_cast<std::size_t>(whole / static_cast<float>(step) + 0.5F));
+  const float slice = whole / static_cast<float>(slices);
+  for (std::size_t k = 0, first = 0; k < slices && first < shoot.size(); ++k) {
+    std::size_t last = first;
+    const float end = begin + slice * static_cast<float>(k + 1);
+    while (last < shoot.size() && (k + 1 == slices || paths.length[shoot[last]] < end)) ++last;
+    if (last == first) continue;
+    LimbNode node;
+    node.points.assign(shoot.begin() + static_cast<std::ptrdiff_t>(first),
+                       shoot.begin() + static_cast<std::ptrdiff_t>(last));
+    for (const std::uint32_t p : node.points)
+      node.centre += points[p] / static_cast<double>(node.points.size());
+    first = last;
+    limb.nodes.push_back(std::move(node));
+  }
+  // The tip reaches as far as its points do.
+  LimbNode& tip = limb.nodes.back();
+  const Vec3 run = tip.centre - limb.nodes[limb.nodes.size() - 2].centre;
+  if (run.norm() > 0) {
+    double far = 0;
+    for (const std::uint32_t p : tip.points)
+      far = std::max(far, (points[p] - tip.centre).dot(run.normalized()));
+    tip.centre += 0.8 * far * run.normalized();
+  }
+  return limb;
+}
+
+/// Root mean square distance of a limb's points from its line.
+double scatter_about(const Limb& limb, const std::vector<Vec3>& points) {
+  double square = 0, count = 0;
+  for (std::size_t k = 1; k < limb.nodes.size(); ++k)
+    for (const std::uint32_t p : limb.nodes[k].points) {
+      const LimbPlace place = nearest_place(limb, points[p], k - 1, std::min(k, limb.nodes.size() - 2));
+      square += place.distance_m * place.distance_m;
+      count += 1;
+    }
+  return std::sqrt(square / count);
+}
+
 }  // namespace
 
 std::vector<char> hand_over_points(const std::vector<Vec3>& points, const PointGraph& graph,
@@ -132,45 +180,10 @@ void grow_side_shoots(const std::vector<Vec3>& points, const PointGraph& graph, 
     const LimbPlace at = place_near(limbs[bearer], points[base], owners.node[base]);
     if (reach < shortest + 0.15 * at.radius_m) continue;
 
-    Limb limb;
+    Limb limb = lead_along_paths(points, paths, shoot, step);
     limb.parent = static_cast<std::int32_t>(bearer);
     limb.parent_node = static_cast<std::int32_t>(at.node);
-    const auto begin = paths.length[base];
-    const std::size_t slices = std::max<std::size_t>(
-        1, static_cast<std::size_t>((paths.length[shoot.back()] - begin) / static_cast<float>(step) + 0.5F));
-    const float slice = (paths.length[shoot.back()] - begin) / static_cast<float>(slices);
-    LimbNode foot;
-    foot.centre = points[base];
-    limb.nodes.push_back(foot);
-    for (std::size_t k = 0, first = 0; k < slices && first < shoot.size(); ++k) {
-      LimbNode node;
-      std::size_t last = first;
-      const float end = begin + slice * static_cast<float>(k + 1);
-      while (last < shoot.size() && (k + 1 == slices || paths.length[shoot[last]] < end)) ++last;
-      if (last == first) continue;
-      node.points.assign(shoot.begin() + static_cast<std::ptrdiff_t>(first),
-                         shoot.begin() + static_cast<std::ptrdiff_t>(last));
-      for (const std::uint32_t p : node.points)
-        node.centre += points[p] / static_cast<double>(node.points.size());
-      first = last;
-      limb.nodes.push_back(std::move(node));
-    }
-    // The tip reaches as far as its points do.
-    LimbNode& tip = limb.nodes.back();
-    const Vec3 run = tip.centre - limb.nodes[limb.nodes.size() - 2].centre;
-    if (run.norm() > 0) {
-      double far = 0;
-      for (const std::uint32_t p : tip.points)
-        far = std::max(far, (points[p] - tip.centre).dot(run.normalized()));
-      tip.centre += 0.8 * far * run.normalized();
-    }
-    // Thickness: what the points scatter about the line.
-    double square = 0;
-    for (std::size_t k = 1; k < limb.nodes.size(); ++k)
-      for (const std::uint32_t p : limb.nodes[k].points)
-        square +=
-            std::pow(nearest_place(limb, points[p], k - 1, std::min(k, limb.nodes.size() - 2)).distance_m, 2);
-    const double rough = std::sqrt(square / static_cast<double>(shoot.size()));
+    const double rough = scatter_about(limb, points);
     // What is wide beside thick wood is its own surface about a line that lies wrong.
     if (at.radius_m > std::max(kThick_m, 4 * noise_m) && rough > kSlim * at.radius_m) continue;
     for (LimbNode& node : limb.nodes) node.rough_radius_m = std::min(rough, at.radius_m);
