@@ -140,23 +140,22 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   std::vector<char> open(scan.points.size(), 1);
   const std::vector<double> height = heights_above_foot(scan.points, connected_parts(graph, open), ground);
   const std::vector<Foot> feet = find_feet(scan.points, graph, height, ground);
-  const std::vector<Stool> trees = tell_trees(scan.points, graph, height, feet);
-  result.ground_points += close_low_vegetation(scan.points, graph, height, ground, stems_of(trees), open);
+  const std::vector<Stem> stems = tell_stems(scan.points, graph, height, feet);
+  Stool tree_feet;
+  for (const Stem& stem : stems) tree_feet.push_back(stem.foot);
+  result.ground_points += close_low_vegetation(scan.points, graph, height, ground, tree_feet, open);
   clock.mark("foot");
 
   const Parts parts = connected_parts(graph, open);
   std::vector<Bridge> bridges = bridge_gaps(scan.points, graph, parts, graph_options, progress);
   clock.mark("gaps");
 
-  Stool tree_feet = trees.front();
-  std::optional<std::size_t> wanted;
-  if (options.tree_at)
-    wanted = tree_nearest_to(*options.tree_at - scan.origin_shift.head<2>(), trees, scan.origin_shift);
-  if (trees.size() > 1) {
-    const KeptTree kept = keep_tree(scan.points, graph, bridges, trees, wanted, open, progress);
-    tree_feet = trees[kept.tree];
-    for (const std::size_t t : kept.other_trees)
-      result.other_trees.push_back(scan.origin_shift + trees[t].front().position);
+  if (stems.size() > 1 || options.tree_at) {
+    std::optional<Eigen::Vector2d> at;
+    if (options.tree_at) at = *options.tree_at - scan.origin_shift.head<2>();
+    KeptTree kept = keep_tree(scan.points, graph, bridges, stems, at, scan.origin_shift, open, progress);
+    tree_feet = std::move(kept.stool);
+    for (const Foot& foot : kept.other_trees) result.other_trees.push_back(scan.origin_shift + foot.position);
     result.other_points = kept.other_points;
     keep_points(scan, open, tree_feet);
     graph = neighbor_graph(scan.points, graph_options, progress);
@@ -167,7 +166,6 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   result.foot = scan.origin_shift + tree_feet.front().position;
   result.stems = tree_feet.size();
   tell_of_stems(result);
-  result.stems = tree_feet.size();
   Paths paths = shortest_paths(scan.points, graph, bridges, open, ring_of(tree_feet), progress);
   clock.mark("paths");
 

@@ -68,13 +68,67 @@ Thickness stem_thickness(const Foot& foot, const Levels& levels, const std::vect
   return {};
 }
 
+/// What every stem's paths reach.
+struct Territory {
+  std::size_t points = 0;
+  double low = 1e300, high = -1e300;
+};
+
+/// The stems that are high enough for a tree's, in groups, by their index.
+std::vector<std::vector<std::size_t>> group_stems(const std::vector<Stem>& stems,
+                                                  const std::vector<Territory>& territory) {
+  constexpr double kStool_m = 0.4;
+  constexpr double kLow = 1.0 / 3;  // of the highest: a post, a shrub
+  double highest = 0;
+  for (const Territory& t : territory) highest = std::max(highest, t.high - t.low);
+  std::vector<std::vector<std::size_t>> groups;
+  for (std::size_t i = 0; i < stems.size(); ++i) {
+    if (territory[i].high - territory[i].low < kLow * highest) continue;
+    std::vector<std::size_t> group = {i};
+    for (auto& other : groups) {
+      const bool near = std::any_of(other.begin(), other.end(), [&](std::size_t j) {
+        const double a = stems[i].thickness_m, b = stems[j].thickness_m;
+        const double axes = (stems[i].foot.position - stems[j].foot.position).head<2>().norm();
+        return axes - 0.5 * (a + b) <= std::max({kStool_m, a, b});
+      });
+      if (!near) continue;
+      group.insert(group.end(), other.begin(), other.end());
+      other.clear();
+    }
+    std::erase_if(groups, [](const auto& other) { return other.empty(); });
+    std::sort(group.begin(), group.end());
+    groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+/// The group with the stem nearest to `at`.
+std::size_t group_at(const Eigen::Vector2d& at, const std::vector<std::vector<std::size_t>>& groups,
+                     const std::vector<Stem>& stems, const Vec3& origin_shift) {
+  double nearest = 2.0;  // metres
+  std::optional<std::size_t> found;
+  std::ostringstream places;
+  places << std::fixed << std::setprecision(2);
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    for (const std::size_t i : groups[g]) {
+      const Vec3 world = stems[i].foot.position + origin_shift;
+      places << (places.tellp() > 0 ? "; " : "") << world.x() << ' ' << world.y();
+      const double away = (stems[i].foot.position.head<2>() - at).norm();
+      if (away > nearest) continue;
+      nearest = away;
+      found = g;
+    }
+  if (!found)
+    throw SolverError("no stem stands within 2 m of the place asked for; stems stand at " + places.str());
+  return *found;
+}
+
 }  // namespace
 
-std::vector<Stool> tell_trees(const std::vector<Vec3>& points, const PointGraph& graph,
-                              const std::vector<double>& height, const std::vector<Foot>& feet) {
+std::vector<Stem> tell_stems(const std::vector<Vec3>& points, const PointGraph& graph,
+                             const std::vector<double>& height, const std::vector<Foot>& feet) {
   constexpr double kThinnest = 0.33;  // of the thickest stem's thickness
-  constexpr double kStool_m = 0.4;
-  if (feet.size() < 2) return {feet};
+  if (feet.size() < 2) return {{feet.front(), feet.front().diameter_m}};
   const Levels levels = levels_of(points, graph, height);
   std::vector<double> thick(feet.size());
   double thickest = 0, thickest_rising = 0;
@@ -85,86 +139,53 @@ std::vector<Stool> tell_trees(const std::vector<Vec3>& points, const PointGraph&
     if (t.rises) thickest_rising = std::max(thickest_rising, t.diameter);
   }
   if (thickest_rising > 0) thickest = thickest_rising;  // others may have undergrowth about them
-  std::vector<Stool> trees;
-  std::vector<std::size_t> tree_of(feet.size());  // of the stems that count, their index in trees
-  std::vector<std::size_t> stems;
+  std::vector<Stem> stems;
   for (std::size_t i = 0; i < feet.size(); ++i) {
     if (i > 0 && (thick[i] == 0 || thick[i] < kThinnest * thickest)) continue;
-    if (thick[i] == 0) thick[i] = feet[i].diameter_m;
-    tree_of[i] = trees.size();
-    trees.emplace_back();
-    for (const std::size_t j : stems) {
-      const double apart =
-          (feet[i].position - feet[j].position).head<2>().norm() - 0.5 * (thick[i] + thick[j]);
-      if (apart > std::max({kStool_m, thick[i], thick[j]})) continue;
-      const std::size_t from = std::max(tree_of[i], tree_of[j]), to = std::min(tree_of[i], tree_of[j]);
-      for (std::size_t k = 0; k <= i; ++k)
-        if (tree_of[k] == from) tree_of[k] = to;
-    }
-    stems.push_back(i);
+    stems.push_back({feet[i], thick[i] > 0 ? thick[i] : feet[i].diameter_m});
   }
-  for (const std::size_t i : stems) trees[tree_of[i]].push_back(feet[i]);
-  std::erase_if(trees, [](const Stool& stool) { return stool.empty(); });
-  return trees;
-}
-
-std::vector<Foot> stems_of(const std::vector<Stool>& trees) {
-  std::vector<Foot> all;
-  for (const Stool& stool : trees) all.insert(all.end(), stool.begin(), stool.end());
-  return all;
+  return stems;
 }
 
 KeptTree keep_tree(const std::vector<Vec3>& points, const PointGraph& graph,
-                   const std::vector<Bridge>& bridges, const std::vector<Stool>& trees,
-                   std::optional<std::size_t> wanted, std::vector<char>& open, Progress& progress) {
+                   const std::vector<Bridge>& bridges, const std::vector<Stem>& stems,
+                   const std::optional<Eigen::Vector2d>& at, const Vec3& origin_shift,
+                   std::vector<char>& open, Progress& progress) {
   std::vector<std::uint32_t> owner(points.size(), Paths::kNone), sources;
-  for (std::size_t t = 0; t < trees.size(); ++t)
-    for (const std::uint32_t p : ring_of(trees[t])) {
+  for (std::size_t s = 0; s < stems.size(); ++s)
+    for (const std::uint32_t p : stems[s].foot.points) {
       if (owner[p] != Paths::kNone) continue;
-      owner[p] = static_cast<std::uint32_t>(t);
+      owner[p] = static_cast<std::uint32_t>(s);
       sources.push_back(p);
     }
   const Paths paths = shortest_paths(points, graph, bridges, open, sources, progress);
-  constexpr double kLow = 1.0 / 3;  // of the tree's height: a post, a shrub
-  std::vector<std::size_t> count(trees.size(), 0);
-  std::vector<double> high(trees.size(), -1e300), low(trees.size(), 1e300);
+  std::vector<Territory> territory(stems.size());
   for (const std::uint32_t p : paths.order) {
     if (paths.parent[p] != Paths::kNone) owner[p] = owner[paths.parent[p]];
-    ++count[owner[p]];
-    high[owner[p]] = std::max(high[owner[p]], points[p].z());
-    low[owner[p]] = std::min(low[owner[p]], points[p].z());
+    Territory& own = territory[owner[p]];
+    ++own.points;
+    own.low = std::min(own.low, points[p].z());
+    own.high = std::max(own.high, points[p].z());
   }
+  const auto groups = group_stems(stems, territory);
+  std::vector<std::size_t> count(groups.size(), 0);
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    for (const std::size_t i : groups[g]) count[g] += territory[i].points;
+  const auto chosen =
+      at ? group_at(*at, groups, stems, origin_shift)
+         : static_cast<std::size_t>(std::max_element(count.begin(), count.end()) - count.begin());
   KeptTree kept;
-  kept.tree =
-      wanted.value_or(static_cast<std::size_t>(std::max_element(count.begin(), count.end()) - count.begin()));
-  kept.other_points = paths.order.size() - count[kept.tree];
-  for (std::size_t t = 0; t < trees.size(); ++t)
-    if (t != kept.tree && high[t] - low[t] >= kLow * (high[kept.tree] - low[kept.tree]))
-      kept.other_trees.push_back(t);
+  std::vector<char> own(stems.size(), 0);
+  for (const std::size_t i : groups[chosen]) {
+    kept.stool.push_back(stems[i].foot);
+    own[i] = 1;
+  }
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    if (g != chosen) kept.other_trees.push_back(stems[groups[g].front()].foot);
+  kept.other_points = paths.order.size() - count[chosen];
   for (const std::uint32_t p : paths.order)
-    if (owner[p] != kept.tree) open[p] = 0;
+    if (!own[owner[p]]) open[p] = 0;
   return kept;
-}
-
-std::size_t tree_nearest_to(const Eigen::Vector2d& at, const std::vector<Stool>& trees,
-                            const Vec3& origin_shift) {
-  constexpr double kReach_m = 2.0;
-  double nearest = kReach_m;
-  std::optional<std::size_t> found;
-  std::ostringstream stems;
-  stems << std::fixed << std::setprecision(2);
-  for (std::size_t t = 0; t < trees.size(); ++t)
-    for (const Foot& foot : trees[t]) {
-      const Vec3 world = foot.position + origin_shift;
-      stems << (stems.tellp() > 0 ? "; " : "") << world.x() << ' ' << world.y();
-      const double away = (foot.position.head<2>() - at).norm();
-      if (away > nearest) continue;
-      nearest = away;
-      found = t;
-    }
-  if (!found)
-    throw SolverError("no stem stands within 2 m of the place asked for; stems stand at " + stems.str());
-  return *found;
 }
 
 std::vector<std::uint32_t> ring_of(const Stool& stool) {

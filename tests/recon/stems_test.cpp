@@ -125,6 +125,17 @@ TEST(Stems, a_post_beside_the_tree_is_neither_a_tree_nor_its_wood) {
   for (const Vec3& end : result.tree.end) EXPECT_LT((result.tree.origin_shift + end).y(), 0.5);
 }
 
+TEST(Stems, a_stake_at_the_stem_is_no_second_stem) {
+  PointCloud cloud;
+  add_tree(cloud, 0, 6, 0.05);
+  test::add_wood(cloud, {0.3, 0.1, 0}, {0.3, 0.1, 1.6}, 0.03, 0.03, 0.01, 0.001);
+  const Reconstruction result = reconstruct(cloud);
+  EXPECT_EQ(result.stems, 1u);
+  EXPECT_EQ(stems_of_model(result.tree), 1);
+  EXPECT_EQ(result.other_trees.size(), 0u);
+  EXPECT_GT(result.other_points, 200u);
+}
+
 TEST(Stems, far_copies_of_one_tree_are_told_apart_in_any_order) {
   PointCloud cloud;
   for (const double x : {0.0, 3.0, 6.0}) add_tree(cloud, x, x == 3 ? 6 : 5, 0.06);
@@ -135,12 +146,15 @@ TEST(Stems, far_copies_of_one_tree_are_told_apart_in_any_order) {
   std::vector<Foot> feet = find_feet(cloud.points, graph, height, none);
   ASSERT_EQ(feet.size(), 3u);
   for (int turn = 0; turn < 3; ++turn) {
-    const std::vector<Stool> trees = tell_trees(cloud.points, graph, height, feet);
-    ASSERT_EQ(trees.size(), 3u);
-    EXPECT_EQ(trees.front().front().position.x(), feet.front().position.x());
+    const std::vector<Stem> stems = tell_stems(cloud.points, graph, height, feet);
+    ASSERT_EQ(stems.size(), 3u);
+    EXPECT_EQ(stems.front().foot.position.x(), feet.front().position.x());
     std::vector<char> open(cloud.size(), 1);
-    const KeptTree largest = keep_tree(cloud.points, graph, {}, trees, {}, open, no_progress());
-    EXPECT_NEAR(trees[largest.tree].front().position.x(), 3, 0.02);
+    const KeptTree kept =
+        keep_tree(cloud.points, graph, {}, stems, std::nullopt, Vec3::Zero(), open, no_progress());
+    ASSERT_EQ(kept.stool.size(), 1u);
+    EXPECT_EQ(kept.other_trees.size(), 2u);
+    EXPECT_NEAR(kept.stool.front().position.x(), 3, 0.02);
     for (std::size_t i = 0; i < cloud.size(); ++i)
       if (open[i]) {
         EXPECT_NEAR(cloud.points[i].x(), 3, 1.5);
