@@ -146,7 +146,6 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
 
   std::vector<Section> sections = cut_sections(scan.points, graph, paths, tree_feet, progress);
   clock.mark("sections");
-  if (getenv("DUMP")) { FILE* f = fopen(getenv("DUMP"), "w"); for (size_t i = 0; i < sections.size(); ++i) { auto& q = sections[i]; fprintf(f, "%zu %d %.4f %.4f %.4f %.4f %.4f %zu %.3f %d %.3f %.3f %.3f\n", i, q.parent, q.centre.x()+scan.origin_shift.x(), q.centre.y()+scan.origin_shift.y(), q.centre.z()+scan.origin_shift.z(), q.radius_m, q.extent_m, q.points.size(), q.coasted_m, int(q.after_gap), q.direction.x(), q.direction.y(), q.direction.z()); } fclose(f); }
 
   const std::vector<Bridge> mended =
       mend_cut_branches(scan.points, sections, graph.typical_spacing_m, options.max_gap_m);
