@@ -24,6 +24,7 @@ void search_on_robustly(const GrowthProblem& problem, const GrowthOptions& optio
     return minimize_robustly(problem, c, options.loss, scale);
   };
   std::vector<GrowthSolution> wide;
+  wide.reserve(found.size());
   for (const GrowthSolution& solution : found)
     wide.push_back(minimize_directly(problem, solution.c, 80, 1e-6));
   const GrowthSolution squares = *std::min_element(wide.begin(), wide.end(), lower);

@@ -282,15 +282,16 @@ std::vector<GrowthVector> automatic_starts(const GrowthCurve& curve, const Growt
 
 GrowthLimit fit_limit_curve(const GrowthCurve& curve, const GrowthData& data) {
   const LimitKind kind = limit_kind(curve.equation().name);
-  const auto [first, last] = std::minmax_element(data.time.begin(), data.time.end());
-  const double range = *last - *first, end = std::max(std::abs(*last), range);
+  const auto ends = std::minmax_element(data.time.begin(), data.time.end());
+  const double first = *ends.first, last = *ends.second;
+  const double range = last - first, end = std::max(std::abs(last), range);
   std::vector<double> g(data.time.size());
   double shift = 0;
   // Exponents are scaled to the last age so that nothing overflows; the scale takes it up.
   const auto fit_at = [&](double growth) {
     for (std::size_t i = 0; i < g.size(); ++i) {
       const double t = data.time[i] + shift;
-      if (kind == LimitKind::exponential) g[i] = std::exp(growth * (t - *last));
+      if (kind == LimitKind::exponential) g[i] = std::exp(growth * (t - last));
       if (kind == LimitKind::power) g[i] = t > 0 ? std::pow(t / end, growth) : 0;
       if (kind == LimitKind::cubic) g[i] = t > 0 ? std::pow(t / end, 3) : 0;
       if (kind == LimitKind::linear) g[i] = t / end;
@@ -310,7 +311,7 @@ GrowthLimit fit_limit_curve(const GrowthCurve& curve, const GrowthData& data) {
           shift = s;
           return fit_at(best_growth()).cost;
         },
-        spaced(-0.9 * std::max(*first, 0.0), 3 * range, 25));
+        spaced(-0.9 * std::max(first, 0.0), 3 * range, 25));
   const double growth = best_growth();
   const LinearFit fit = fit_at(growth);
   GrowthLimit limit{fit.cost, 0};

@@ -47,6 +47,7 @@ constexpr std::array<MeasurementUnit, 31> kUnits{{
 MeasurementUnit known_unit(std::string_view name) {
   if (const auto unit = measurement_unit(name)) return *unit;
   std::vector<std::string> known;
+  known.reserve(kUnits.size());
   for (const MeasurementUnit& unit : kUnits) known.emplace_back(unit.name);
   throw InputError("unknown unit '" + std::string(name) + "'; did you mean '" + nearest_word(name, known) +
                    "'?");

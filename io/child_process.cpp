@@ -24,7 +24,7 @@ std::filesystem::path find_program(const std::vector<std::string>& names) {
   while (!folders.empty()) {
     const std::size_t stop = std::min(folders.find(':'), folders.size());
     for (const std::string& name : names) {
-      const std::filesystem::path path = std::filesystem::path(folders.substr(0, stop)) / name;
+      std::filesystem::path path = std::filesystem::path(folders.substr(0, stop)) / name;
       std::error_code ignored;
       if (std::filesystem::is_regular_file(path, ignored) && ::access(path.c_str(), X_OK) == 0) return path;
     }
@@ -43,6 +43,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command) {
   posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
   posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
   std::vector<char*> words;
+  words.reserve(command.size() + 1);
   for (const std::string& word : command) words.push_back(const_cast<char*>(word.c_str()));
   words.push_back(nullptr);
   const int failed = ::posix_spawn(&pid_, command[0].c_str(), &actions, nullptr, words.data(), environ);

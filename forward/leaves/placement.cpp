@@ -192,6 +192,7 @@ void Placement::run_round(const std::vector<Candidate>& round, Progress& progres
 void Placement::run_last(const std::vector<Candidate>& round, double target) {
   assign_slots(round.size());
   std::vector<Vec3> feet;
+  feet.reserve(round.size());
   for (const Candidate& c : round) feet.push_back(source_.foot(c));
   leaf_index_.prepare(feet);
   Scratch scratch;
