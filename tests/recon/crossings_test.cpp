@@ -11,7 +11,8 @@
 namespace dendrofit {
 namespace {
 
-/// Sections in a row from `from` to `to`, about 3 cm apart, with one point each; returns the first one's number.
+/// Sections in a row from `from` to `to`, about 3 cm apart, with one point each; returns the first one's
+/// number.
 std::int32_t add_run(std::vector<Section>& sections, std::int32_t parent, const Vec3& from, const Vec3& to) {
   const auto first = static_cast<std::int32_t>(sections.size());
   const double length = (to - from).norm();
