@@ -32,6 +32,7 @@ bool follow_course(const std::vector<Vec3>& points, std::span<const std::uint32_
   constexpr double kShift = 0.06, kChange = 0.06;  // standard deviations a section, in radii
   constexpr std::size_t kFewest = 5;
   constexpr double kTukey = 4.685;
+  constexpr double kInterior = 0.35;  // radii below the surface, where wood has no points but twigs do
   // What points scatter about the surface: bark and noise, never as much as the radius itself.
   const double noise = std::min(std::max(0.25 * spacing_m, 0.05 * parent.radius_m), 0.12 * parent.radius_m);
   Vec3 u, v;
@@ -50,16 +51,17 @@ bool follow_course(const std::vector<Vec3>& points, std::span<const std::uint32_
   const double shift_weight = std::pow(noise / (kShift * parent.radius_m), 2);
   const double change_weight = std::pow(noise / (kChange * parent.radius_m), 2);
   Eigen::Vector3d circle(0, 0, parent.radius_m);  // centre and radius
-  std::size_t inliers = 0;
+  std::size_t inliers = 0, interior = 0;
   for (int iteration = 0; iteration < 8; ++iteration) {
     Eigen::Matrix3d normal = Eigen::Vector3d(shift_weight, shift_weight, change_weight).asDiagonal();
     Eigen::Vector3d gradient(shift_weight * circle.x(), shift_weight * circle.y(),
                              change_weight * (circle.z() - parent.radius_m));
-    inliers = 0;
+    inliers = interior = 0;
     for (const Eigen::Vector2d& p : flat) {
       const Eigen::Vector2d d = p - circle.head<2>();
       const double distance = d.norm();
       const double residual = distance - circle.z();
+      interior += residual < -std::max(3 * noise, kInterior * circle.z());
       const double off = residual / (kTukey * noise);
       if (std::abs(off) >= 1 || distance <= 0) continue;
       const double w = (1 - off * off) * (1 - off * off);
@@ -72,8 +74,8 @@ bool follow_course(const std::vector<Vec3>& points, std::span<const std::uint32_
     circle -= change;
     if (change.norm() < 1e-6) break;
   }
-  if (inliers < kFewest || circle.z() < 0.65 * parent.radius_m || circle.z() > 1.12 * parent.radius_m ||
-      circle.head<2>().norm() > 0.4 * parent.radius_m)
+  if (inliers < kFewest || interior > 2 * inliers || circle.z() < 0.65 * parent.radius_m ||
+      circle.z() > 1.12 * parent.radius_m || circle.head<2>().norm() > 0.4 * parent.radius_m)
     return false;
   s.centre = parent.centre + along * parent.direction + circle.x() * u + circle.y() * v;
   s.radius_m = circle.z();
