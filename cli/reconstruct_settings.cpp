@@ -74,6 +74,8 @@ ReconstructOptions ReconstructSettings::resolve(const CommonOptions& common) con
 std::string reconstruction_json(const Reconstruction& r) {
   Json others = Json::array();
   for (const Vec3& foot : r.other_trees) others.push_back({foot.x(), foot.y(), foot.z()});
+  Json shifts = Json::array();
+  for (const Vec3& shift : r.scan_shifts) shifts.push_back({shift.x(), shift.y(), shift.z()});
   const Json json = {{"foot", {r.foot.x(), r.foot.y(), r.foot.z()}},
                      {"ground_found", r.ground_found},
                      {"stems", r.stems},
@@ -83,6 +85,7 @@ std::string reconstruction_json(const Reconstruction& r) {
                      {"straight_share", r.straight_share},
                      {"wood_share", r.wood_share},
                      {"noise_m", r.noise_m},
+                     {"scan_shifts_m", shifts},
                      {"point_spacing_m", r.spacing_m},
                      {"points",
                       {{"read", r.raw_points},

@@ -28,6 +28,25 @@ bool closes(const Limb& limb, const Vec3& from, std::size_t first, std::size_t l
   return false;
 }
 
+/// Radii of the cylinder that stands for a limb's line from the node before `first` to `last`.
+struct Stretch {
+  double radius = 0;  // of the same volume as the cones from node to node
+  double seen = 0;    // mean of the radii before the taper was levelled
+};
+
+Stretch along_stretch(const Limb& limb, std::size_t first, std::size_t last) {
+  double volume = 0, seen = 0, length = 0;
+  for (std::size_t k = std::max<std::size_t>(first, 1); k <= last; ++k) {
+    const LimbNode &a = limb.nodes[k - 1], &b = limb.nodes[k];
+    const double step = (b.centre - a.centre).norm();
+    volume += step * (a.radius_m * a.radius_m + a.radius_m * b.radius_m + b.radius_m * b.radius_m) / 3;
+    seen += step * 0.5 * (a.seen_radius_m + b.seen_radius_m);
+    length += step;
+  }
+  if (length > 0) return {std::sqrt(volume / length), seen / length};
+  return {limb.nodes[last].radius_m, limb.nodes[last].seen_radius_m};
+}
+
 /// The cylinder of `cylinders` whose axis passes nearest to `point`.
 std::int32_t nearest_cylinder(const Tree& tree, const std::vector<std::int32_t>& cylinders,
                               const Vec3& point) {
@@ -109,22 +128,20 @@ Tree build_tree(const std::vector<Limb>& limbs, const std::vector<Foot>& feet, c
       node.start = from;
       node.end = limb.nodes[i].centre;
       node.parent = parent;
-      double square = 0, seen = 0, se = 0, count = 0;
+      const Stretch stretch = along_stretch(limb, first_node, i);
+      double se = 0;
       RadiusQuality quality = RadiusQuality::measured;
       for (std::size_t k = first_node; k <= i; ++k) {
-        square += limb.nodes[k].radius_m * limb.nodes[k].radius_m;
-        seen += limb.nodes[k].seen_radius_m;
         se += limb.nodes[k].radius_se_m;
-        count += 1;
         quality = std::max(quality, limb.nodes[k].quality);
       }
-      node.radius = std::sqrt(square / count);
-      node.radius_se = se / count;
+      node.radius = stretch.radius;
+      node.radius_se = se / static_cast<double>(i + 1 - first_node);
       node.quality = limb.nodes[i].after_gap && quality == RadiusQuality::measured
                          ? RadiusQuality::interpolated
                          : quality;
       parent = tree.add(node);
-      seen_radius.push_back(seen / count);
+      seen_radius.push_back(stretch.seen);
       for (std::size_t k = first_node; k <= i; ++k) cylinder_at[l][k].push_back(parent);
       from = limb.nodes[i].centre;
       first_node = i + 1;

@@ -120,8 +120,10 @@ Parts connected_parts(const PointGraph& graph, const std::vector<char>& open) {
 
 Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
                      const std::vector<Bridge>& bridges, const std::vector<char>& open,
-                     const std::vector<std::uint32_t>& sources, Progress& progress) {
+                     const std::vector<std::uint32_t>& sources, Progress& progress,
+                     const std::vector<Gate>& gates) {
   constexpr double kTurnWeight = 12.0;
+  constexpr float kGatePrice = 4;     // as much as about two metres of straight wood
   constexpr double kMemory_m = 0.15;  // the way is judged against about this much of it before
   const std::size_t n = points.size();
   constexpr float kFar = std::numeric_limits<float>::infinity();
@@ -141,6 +143,15 @@ Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
   std::sort(crossings.begin(), crossings.end());
   const double scale = std::max(1e-6, graph.typical_spacing_m);
 
+  std::vector<std::uint32_t> inside(gates.empty() ? 0 : n, Paths::kNone), door = inside;
+  for (std::size_t g = 0; g < gates.size(); ++g) {
+    for (const std::uint32_t p : gates[g].inside) inside[p] = static_cast<std::uint32_t>(g);
+    for (const std::uint32_t p : gates[g].door) door[p] = static_cast<std::uint32_t>(g);
+  }
+  const auto is_shut = [&](std::uint32_t u, std::uint32_t v) {
+    return !gates.empty() && inside[v] != Paths::kNone && inside[u] != inside[v] && door[u] != inside[v];
+  };
+
   using Entry = std::pair<float, std::uint32_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   for (const std::uint32_t s : sources) {
@@ -156,7 +167,7 @@ Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
       const float cosine = heading[u].dot(step) / (h * length);
       c *= 1 + kTurnWeight * (1 - cosine);
     }
-    const float total = cost[u] + static_cast<float>(c);
+    const float total = cost[u] + static_cast<float>(c) + (is_shut(u, v) ? kGatePrice : 0.0f);
     if (!(total < cost[v])) return;
     cost[v] = total;
     paths.parent[v] = u;

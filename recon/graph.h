@@ -59,6 +59,11 @@ Parts connected_parts(const PointGraph& graph, const std::vector<char>& open);
 std::vector<Bridge> bridge_gaps(const std::vector<Vec3>& points, const PointGraph& graph, const Parts& parts,
                                 const GraphOptions& options = {}, Progress& = no_progress());
 
+/// Points that paths should enter from the door's points; from elsewhere at a price.
+struct Gate {
+  std::vector<std::uint32_t> inside, door;
+};
+
 /// Shortest paths from a set of sources over open points. A path's cost favours many short steps (the wood's
 /// own surface) over leaps and straight runs over turns; its length is counted beside it.
 struct Paths {
@@ -70,6 +75,7 @@ struct Paths {
 };
 Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
                      const std::vector<Bridge>& bridges, const std::vector<char>& open,
-                     const std::vector<std::uint32_t>& sources, Progress& = no_progress());
+                     const std::vector<std::uint32_t>& sources, Progress& = no_progress(),
+                     const std::vector<Gate>& gates = {});
 
 }  // namespace dendrofit

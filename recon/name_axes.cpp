@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <tuple>
 
 namespace dendrofit {
 namespace {
@@ -18,22 +17,23 @@ struct Stretch {
 };
 
 Stretch first_stretch(const Tree& tree, const TreeChildren& children, const std::vector<double>& beyond,
-                      const std::vector<double>& seen_radius, std::size_t first) {
-  const double length = std::clamp(6 * tree.radius[first], 0.2, 0.8);
+                      const std::vector<double>& seen_radius, std::size_t first, double bearer_radius) {
+  const double from = std::clamp(2 * bearer_radius, 0.05, 0.3);
+  const double to = std::clamp(8 * bearer_radius, 0.2, 1.0);
   std::vector<double> radii;
   double along = 0;
   std::size_t at = first;
   while (true) {
-    radii.push_back(seen_radius[at]);
     along += tree.length(at);
+    if (along >= from) radii.push_back(seen_radius[at]);
     const auto next = children.of(at);
-    if (along >= length || next.empty()) break;
+    if (along >= to || next.empty()) break;
     at = static_cast<std::size_t>(*std::max_element(next.begin(), next.end(), [&](auto x, auto y) {
       return beyond[static_cast<std::size_t>(x)] < beyond[static_cast<std::size_t>(y)];
     }));
   }
-  if (radii.size() > 1) radii.erase(radii.begin());  // in the crotch
-  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+  if (radii.empty()) radii.push_back(seen_radius[at]);
+  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>((radii.size() - 1) / 2);
   std::nth_element(radii.begin(), middle, radii.end());
   return {*middle, tree.end[at] - tree.start[first]};
 }
@@ -41,17 +41,18 @@ Stretch first_stretch(const Tree& tree, const TreeChildren& children, const std:
 }  // namespace
 
 void name_axes(Tree& tree, const std::vector<double>& seen_radius) {
-  constexpr double kTurn = 0.2;  // what a right angle counts, in shares of the squared radius
+  constexpr double kTurn = 0.2;   // what a right angle counts, in shares of the squared radius
+  constexpr double kPipe = 0.25;  // trust in the pipe relation beside what was seen of the radius
   const std::vector<double> beyond = length_beyond(tree);
   const TreeChildren children(tree);
   std::vector<std::int32_t> heir(tree.size(), -1);
   for (std::size_t i = 0; i < tree.size(); ++i) {
-    std::tuple<double, double> best(-1, -1);
+    double best = -1;
     for (const std::int32_t child : children.of(i)) {
       const auto c = static_cast<std::size_t>(child);
-      const Stretch s = first_stretch(tree, children, beyond, seen_radius, c);
+      const Stretch s = first_stretch(tree, children, beyond, seen_radius, c, tree.radius[i]);
       const double cosine = s.run.norm() > 0 ? s.run.normalized().dot(tree.direction(i)) : 0;
-      const std::tuple<double, double> claim(s.radius * s.radius * (1 + kTurn * cosine), beyond[c]);
+      const double claim = s.radius * s.radius * (1 + kTurn * cosine) * std::pow(beyond[c] + 0.1, kPipe);
       if (claim <= best) continue;
       best = claim;
       heir[i] = child;

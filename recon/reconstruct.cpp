@@ -4,6 +4,7 @@
 #include "core/errors.h"
 #include "recon/align_scans.h"
 #include "recon/build_tree.h"
+#include "recon/crossings.h"
 #include "recon/foot.h"
 #include "recon/forks.h"
 #include "recon/graph.h"
@@ -190,9 +191,10 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
 
   const std::vector<Bridge> mended =
       mend_cut_branches(scan.points, sections, graph.typical_spacing_m, options.max_gap_m);
-  if (!mended.empty()) {
+  const std::vector<Gate> gates = gates_at_crossings(sections, graph.typical_spacing_m);
+  if (!mended.empty() || !gates.empty()) {
     bridges.insert(bridges.end(), mended.begin(), mended.end());
-    paths = shortest_paths(scan.points, graph, bridges, open, ring_of(tree_feet), progress);
+    paths = shortest_paths(scan.points, graph, bridges, open, ring_of(tree_feet), progress, gates);
     sections = cut_sections(scan.points, graph, paths, tree_feet, progress);
   }
   result.tree_points = paths.order.size() + result.leaf_points.size();

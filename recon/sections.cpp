@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "recon/sections.h"
 
+#include "recon/course.h"
 #include "recon/cylinder_fit.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <queue>
 #include <span>
-
-#include <Eigen/Dense>
 
 namespace dendrofit {
 namespace {
@@ -191,19 +188,8 @@ class Cutter {
     return true;
   }
 
-  /// Number of 24 sectors of the section's prolonged surface in which a group has points.
   int sectors_of(const Group& group, const Section& s) const {
-    Vec3 u, v;
-    plane_frame(s.direction, u, v);
-    const double reach = std::max(2 * settings_.noise_m, 0.2 * s.radius_m);
-    std::uint32_t seen = 0;
-    for (const std::uint32_t p : group.points) {
-      const Vec3 d = points_[p] - s.centre;
-      const double x = d.dot(u), y = d.dot(v);
-      if (std::abs(std::hypot(x, y) - s.radius_m) > reach) continue;
-      seen |= 1U << static_cast<int>(std::min(23.0, 12 * (std::atan2(y, x) / std::numbers::pi + 1)));
-    }
-    return std::popcount(seen);
+    return surface_sectors(points_, group.points, s, settings_.noise_m);
   }
 
   /// Thick wood has one successor: all groups within its prolonged cylinder are one, and a group that a
@@ -277,64 +263,9 @@ class Cutter {
       group.mean += points_[p] / static_cast<double>(group.points.size());
   }
 
-  /// Thick wood goes on as the parent's cylinder foretells: the circle that its points and that forecast make
-  /// most likely. A strip of the surface is enough to keep the course, since the radius hardly changes from
-  /// one section to the next; branches that leave within the group get no weight (Tukey).
   bool continue_cylinder(const Section& parent, const Group& group, Section& s) const {
-    constexpr double kShift = 0.06, kChange = 0.06;  // standard deviations a section, in radii
-    constexpr std::size_t kFewest = 5;
-    constexpr double kTukey = 4.685;
-    // What points scatter about the surface: bark and noise, never as much as the radius itself.
-    const double noise =
-        std::min(std::max(0.25 * graph_.typical_spacing_m, 0.05 * parent.radius_m), 0.12 * parent.radius_m);
-    if (parent.radius_m < 2.5 * settings_.noise_m) return false;
-    Vec3 u, v;
-    plane_frame(parent.direction, u, v);
-    std::vector<Eigen::Vector2d> flat;
-    double along = 0, near = 0;
-    for (const std::uint32_t p : group.points) {
-      const Vec3 d = points_[p] - parent.centre;
-      flat.emplace_back(d.dot(u), d.dot(v));
-      if (std::abs(flat.back().norm() - parent.radius_m) > 3 * noise) continue;
-      along += d.dot(parent.direction);
-      near += 1;
-    }
-    if (near < static_cast<double>(kFewest) || along <= 0) return false;
-    along /= near;
-    const double shift_weight = std::pow(noise / (kShift * parent.radius_m), 2);
-    const double change_weight = std::pow(noise / (kChange * parent.radius_m), 2);
-    Eigen::Vector3d circle(0, 0, parent.radius_m);  // centre and radius
-    std::size_t inliers = 0;
-    for (int iteration = 0; iteration < 8; ++iteration) {
-      Eigen::Matrix3d normal = Eigen::Vector3d(shift_weight, shift_weight, change_weight).asDiagonal();
-      Eigen::Vector3d gradient(shift_weight * circle.x(), shift_weight * circle.y(),
-                               change_weight * (circle.z() - parent.radius_m));
-      inliers = 0;
-      for (const Eigen::Vector2d& p : flat) {
-        const Eigen::Vector2d d = p - circle.head<2>();
-        const double distance = d.norm();
-        const double residual = distance - circle.z();
-        const double off = residual / (kTukey * noise);
-        if (std::abs(off) >= 1 || distance <= 0) continue;
-        const double w = (1 - off * off) * (1 - off * off);
-        const Eigen::Vector3d row(-d.x() / distance, -d.y() / distance, -1);
-        normal += w * row * row.transpose();
-        gradient += w * residual * row;
-        inliers += std::abs(residual) < 2 * noise;
-      }
-      const Eigen::Vector3d change = normal.ldlt().solve(gradient);
-      circle -= change;
-      if (change.norm() < 1e-6) break;
-    }
-    if (inliers < kFewest || circle.z() < 0.65 * parent.radius_m || circle.z() > 1.12 * parent.radius_m ||
-        circle.head<2>().norm() > 0.4 * parent.radius_m)
-      return false;
-    s.centre = parent.centre + along * parent.direction + circle.x() * u + circle.y() * v;
-    s.radius_m = circle.z();
-    const Vec3 ahead = s.centre - parent.centre;
-    const double share = ahead.norm() / (ahead.norm() + 2 * parent.radius_m);
-    s.direction = ((1 - share) * parent.direction + share * ahead.normalized()).normalized();
-    return true;
+    return parent.radius_m >= 2.5 * settings_.noise_m &&
+           follow_course(points_, group.points, parent, graph_.typical_spacing_m, s);
   }
 
   double extent(const Group& group, const Vec3& direction) const {

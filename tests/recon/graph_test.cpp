@@ -69,6 +69,22 @@ TEST(Graph, paths_do_not_pass_closed_points) {
   EXPECT_EQ(shortest_paths(points, graph, {}, open, {0}).order.size(), 3u);
 }
 
+TEST(Graph, a_gate_is_entered_by_its_door_although_another_way_is_shorter) {
+  // A square of two ways from the first point to the last.
+  std::vector<Vec3> points;
+  for (int i = 0; i <= 20; ++i) points.push_back({0.01 * i, 0, 0});
+  const auto straight = static_cast<std::uint32_t>(points.size()) - 1;
+  for (int i = 1; i <= 25; ++i) points.push_back({0.008 * i, 0.1 * std::sin(0.04 * M_PI * i) + 0.008, 0});
+  const auto detour = static_cast<std::uint32_t>(points.size()) - 1;
+  points.push_back({0.21, 0.004, 0});
+  const auto last = static_cast<std::uint32_t>(points.size()) - 1;
+  const PointGraph graph = neighbor_graph(points);
+  const std::vector<char> open(points.size(), 1);
+  EXPECT_EQ(shortest_paths(points, graph, {}, open, {0}).parent[last], straight);
+  const Gate gate{.inside = {last}, .door = {detour}};
+  EXPECT_EQ(shortest_paths(points, graph, {}, open, {0}, no_progress(), {gate}).parent[last], detour);
+}
+
 TEST(Graph, empty_and_single_clouds_are_answered) {
   EXPECT_EQ(neighbor_graph({}).size(), 0u);
   EXPECT_EQ(neighbor_graph({Vec3(1, 2, 3)}).size(), 1u);
