@@ -119,8 +119,9 @@ std::vector<char> in_forks(const Tree& tree) {
   return in_fork;
 }
 
-/// An axis' first cylinders take the first radius measured on it.
-void carry_down(Tree& tree, const std::vector<Axis>& axes, std::vector<double>& weight) {
+/// An axis' first cylinders follow from the first radius measured on it, as the tree tapers.
+void carry_down(Tree& tree, const std::vector<Axis>& axes, const std::vector<double>& beyond, double exponent,
+                std::vector<double>& weight) {
   for (const Axis& axis : axes) {
     const auto first = std::find_if(axis.nodes.begin(), axis.nodes.end(), [&](std::int32_t n) {
       return tree.quality[static_cast<std::size_t>(n)] == RadiusQuality::measured;
@@ -129,7 +130,7 @@ void carry_down(Tree& tree, const std::vector<Axis>& axes, std::vector<double>& 
     const auto from = static_cast<std::size_t>(*first);
     for (auto n = axis.nodes.begin(); n != first; ++n) {
       const auto i = static_cast<std::size_t>(*n);
-      tree.radius[i] = tree.radius[from];
+      tree.radius[i] = tree.radius[from] * std::pow(beyond[i] / beyond[from], exponent);
       tree.quality[i] = RadiusQuality::interpolated;
       tree.radius_se[i] = 3 * tree.radius_se[from];
       weight[i] = 0.1 * weight[from];
@@ -240,7 +241,7 @@ void settle_radii_from_views(Tree& tree, const Sightings& sightings) {
   const Relation own = relation(tree, beyond);
   const std::vector<Axis> axes = axes_of(tree);
   interpolate(tree, axes, weight);
-  carry_down(tree, axes, weight);
+  carry_down(tree, axes, beyond, own.exponent, weight);
   for (std::size_t i = 0; i < tree.size(); ++i) {
     if (weight[i] > 0) continue;
     tree.radius[i] = own.at(beyond[i]);
