@@ -25,6 +25,7 @@ constexpr float kSure = 1.5;     // times nearer to the bark's hue than to the s
 constexpr std::uint8_t kOther = 0, kMaybe = 1, kBark = 2;
 constexpr int kCrest = 2;               // rows about the horizon
 constexpr std::size_t kFewest = 8;      // of these
+constexpr float kForkWidths = 3;        // half widths of the stem below: a fork's, at most
 constexpr std::size_t kLeastBark = 50;  // pixels that tell its colour
 
 float middle_of(std::vector<float>& values) {
@@ -65,20 +66,24 @@ std::optional<Colour> bark_of(const Photograph& photo, const std::vector<float>&
 
 /// Half the width of the stem that bears what crosses the horizon: its cross-section is that of all it bears.
 float bearing_half_width(const SkyRatio& sky, const std::vector<std::uint8_t>& tree) {
-  const int above = std::max(2, sky.height / 200);
-  float squares = 0;
-  int run = 0;
-  for (int x = 0; x <= sky.width; ++x) {
-    const int y = x < sky.width ? sky.horizon[static_cast<std::size_t>(x)] - above : -1;
-    if (y >= 0 && tree[static_cast<std::size_t>(y) * static_cast<std::size_t>(sky.width) +
-                       static_cast<std::size_t>(x)]) {
-      ++run;
-      continue;
+  float most = 0;
+  for (int k = 1; k <= 4; ++k) {  // the line of the horizon is jagged: at some distance above it
+    const int above = k * std::max(2, sky.height / 200);
+    float squares = 0;
+    int run = 0;
+    for (int x = 0; x <= sky.width; ++x) {
+      const int y = x < sky.width ? sky.horizon[static_cast<std::size_t>(x)] - above : -1;
+      if (y >= 0 && tree[static_cast<std::size_t>(y) * static_cast<std::size_t>(sky.width) +
+                         static_cast<std::size_t>(x)]) {
+        ++run;
+        continue;
+      }
+      squares += 0.25F * static_cast<float>(run * run);
+      run = 0;
     }
-    squares += 0.25F * static_cast<float>(run * run);
-    run = 0;
+    most = std::max(most, squares);
   }
-  return std::sqrt(squares);
+  return std::sqrt(most);
 }
 
 struct Behind {
@@ -227,14 +232,15 @@ std::size_t grow_boughs(const Photograph& photo, const SkyRatio& sky, std::vecto
   const std::vector<float> inside = distance_inside(tree, photo.width, photo.height);
   const std::optional<Colour> bark = bark_of(photo, inside);
   if (!bark) return 0;
-  const float thickest =
-      std::max(*std::max_element(inside.begin(), inside.end()), bearing_half_width(sky, tree));
+  // Where boughs part they are one piece, wider than the stem below.
+  const float most = std::max(1.5F * *std::max_element(inside.begin(), inside.end()),
+                              kForkWidths * bearing_half_width(sky, tree));
   const std::vector<std::uint8_t> hued =
       sure_of(bark_hued(photo, sky, tree, *bark), photo.width, photo.height);
   // Pieces that touch only what was just added are reached by a second look.
   std::size_t added = 0;
   for (int round = 0; round < 4; ++round) {
-    const std::size_t now = add_touching(hued, photo.width, photo.height, 1.5F * thickest, tree);
+    const std::size_t now = add_touching(hued, photo.width, photo.height, most, tree);
     added += now;
     if (now == 0) break;
   }
