@@ -13,6 +13,7 @@
 #include "cli/stopwatch.h"
 #include "cli/tree_files.h"
 #include "core/atomic_file.h"
+#include "core/tree_topology.h"
 #include "fit/direct_estimates.h"
 #include "fit/tree_simulator.h"
 #include "forward/leaves/measured_profile.h"
@@ -93,14 +94,17 @@ class Run : public Command {
   }
 
  private:
-  /// The best parameters' tree, standing on the scanned one's foot.
+  /// The best parameters' tree, standing on the scanned one's foot, its axes laid by thickness like those of
+  /// the scan's model.
   static IgmGrowth regrow_where_it_stands(const Reconstruction& model, const TreeFit& fit, Session& session) {
     IgmSite site;
     site.origin_shift = model.foot;
     site.trees.push_back({.roots = {Vec3::Zero()}, .parameters = {}});
     IgmOptions options;
     options.seed = fit.best_seed;
-    return grow_igm(fit.best, site, options, session.progress());
+    IgmGrowth growth = grow_igm(fit.best, site, options, session.progress());
+    assign_axes_by_thickness(growth.tree);
+    return growth;
   }
 
   static void say_all(const Session& session, const fs::path& folder, const Reconstruction& model,

@@ -31,8 +31,7 @@ DirectEstimates estimate_directly(const Tree& tree, std::optional<double> intern
   DirectEstimates direct;
   direct.height_m = metrics.height_m;
   direct.dbh_m = metrics.dbh_m;
-  for (std::size_t i = 0; i < tree.size(); ++i)
-    if (tree.parent[i] < 0) direct.base_radius_m = std::max(direct.base_radius_m, tree.radius[i]);
+  direct.reference_radius_m = reference_radius(tree);
   direct.internode_length_m = internode_length_m.value_or(scale_for(metrics.height_m));
   require(std::isfinite(direct.internode_length_m) && direct.internode_length_m > 0, "internode_length_m",
           direct.internode_length_m, "must be positive");

@@ -13,7 +13,7 @@ struct DirectEstimates {
   double height_m = 0;
   double size_internodes = 0;  ///< height in internodes: what Xm must at least allow
   std::optional<double> dbh_m;
-  double base_radius_m = 0;                ///< of the thickest root
+  double reference_radius_m = 0;           ///< of the stem at a tenth of the height
   double pipe_exponent = 2.6;              ///< v of the pipe model from the tree's own forks
   int forks = 0;                           ///< how many forks told it; fewer than 10: the default stands
   int branches = 0;                        ///< first-order branches long enough to compare

@@ -20,8 +20,8 @@ constexpr int kMostDraws = 240;
 constexpr double kOldestYearly = 26;  // older trees: a cycle is several years
 constexpr double kCyclesOfOldTrees = 24;
 constexpr double kExactShare = 0.1;  // of a scan's error: what is left of it where the tree is known
-// Heights in internodes that the bank's trees have: 1 and 99 % of them.
-constexpr double kFewestInternodes = 38, kMostInternodes = 115;
+// Heights in internodes at which the bank has trees enough: all but 7 and 0.5 % of them lie between.
+constexpr double kFewestInternodes = 30, kMostInternodes = 118;
 // Of the height in internodes: where X at the end of growth lies.
 constexpr double kSmallestSize = 0.95, kLargestSize = 1.9, kLeastSize = 6;
 

@@ -21,6 +21,8 @@ constexpr std::size_t kBestTried = 2;
 constexpr std::size_t kNearestDraws = 8;  // of the prior's simulations compete with the posterior's centre
 constexpr double kNearKnown = 0.1;        // of a known coordinate's range
 constexpr double kBesideStart = 0.05;     // of a coordinate's range is searched beside the start at least
+constexpr double kLeastDeviation = 0.03;  // of the posterior, in coordinates' ranges
+constexpr int kShowingSeeds = 16;         // the nearest tree of so many is shown
 constexpr std::array kNeverSearched = {"shape", "pipe_exponent", "tip_share", "tau",
                                        "alpha", "sigma",         "b_min",     "b_rise"};
 
@@ -84,6 +86,7 @@ Eigen::VectorXd SearchBox::inner(const Eigen::VectorXd& full) const {
 SearchBox search_box(const FitProblem& problem, const PosteriorSample& posterior) {
   SearchBox box;
   box.elsewhere = Eigen::VectorXd::Constant(problem.space.size(), 0.5);
+  box.deviation = Eigen::VectorXd::Constant(problem.space.size(), HUGE_VAL);
   std::vector<double> lo, hi;
   for (Eigen::Index i = 0; i < problem.space.size(); ++i) {
     const std::string_view key = problem.space.rows()[static_cast<std::size_t>(i)].key;
@@ -93,9 +96,11 @@ SearchBox search_box(const FitProblem& problem, const PosteriorSample& posterior
       box.elsewhere[i] = held->second;
       continue;
     }
-    const bool never = std::find(kNeverSearched.begin(), kNeverSearched.end(), key) != kNeverSearched.end();
-    if (never || problem.space.fixed(i)) continue;
+    if (problem.space.fixed(i)) continue;
     const double sd = weighted_deviation(values, posterior.weights);
+    if (!posterior.is_prior) box.deviation[i] = std::max(kLeastDeviation, sd);
+    const bool never = std::find(kNeverSearched.begin(), kNeverSearched.end(), key) != kNeverSearched.end();
+    if (never) continue;
     if (!posterior.is_prior && key != "size" && sd > (1 - kSearchedShrinkage) * kUniform) continue;
     double from = 0, to = 1;
     if (!posterior.is_prior) {
@@ -111,7 +116,17 @@ SearchBox search_box(const FitProblem& problem, const PosteriorSample& posterior
   }
   box.lo = Eigen::Map<const Eigen::VectorXd>(lo.data(), static_cast<Eigen::Index>(lo.size()));
   box.hi = Eigen::Map<const Eigen::VectorXd>(hi.data(), static_cast<Eigen::Index>(hi.size()));
+  box.centre = box.elsewhere;
   return box;
+}
+
+double SearchBox::improbability(const Eigen::VectorXd& point) const {
+  return ((point - centre).array() / deviation.array()).unaryExpr(&huber).sum();
+}
+
+double search_cost(double distance, const Eigen::VectorXd& point, const SearchBox& box,
+                   const NoiseMetric& metric) {
+  return distance + box.improbability(point) / static_cast<double>(metric.used().size());
 }
 
 void SearchBox::start_at(const Eigen::VectorXd& point) {
@@ -135,19 +150,21 @@ Eigen::VectorXd best_start(const FitProblem& problem, const PriorInformation& pr
   const auto key = kSearchKeys + static_cast<std::uint64_t>(fit.evaluations);
   const Eigen::MatrixXd rows = problem.run(starts, problem.options.seeds, key, log, progress);
   progress.end();
-  const std::vector<double> costs = note(starts, rows, problem.options.seeds, metric, tried, fit);
+  const std::vector<double> costs = note(starts, rows, problem.options.seeds, metric, box, tried, fit);
   return starts[static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) - costs.begin())];
 }
 
 std::vector<double> note(const UnitPoints& points, const Eigen::MatrixXd& rows, int seeds,
-                         const NoiseMetric& metric, std::vector<Tried>& tried, TreeFit& fit) {
+                         const NoiseMetric& metric, const SearchBox& box, std::vector<Tried>& tried,
+                         TreeFit& fit) {
   std::vector<double> costs;
   for (std::size_t p = 0; p < points.size(); ++p) {
     const Eigen::MatrixXd own = rows.middleRows(static_cast<Eigen::Index>(p) * seeds, seeds);
-    costs.push_back(metric.cost(own));
+    const double distance = metric.cost(own);
+    costs.push_back(search_cost(distance, points[p], box, metric));
     tried.push_back({points[p], own.colwise().mean().transpose(), costs.back()});
     fit.cost_history.push_back(
-        std::min(costs.back(), fit.cost_history.empty() ? costs.back() : fit.cost_history.back()));
+        std::min(distance, fit.cost_history.empty() ? distance : fit.cost_history.back()));
   }
   fit.evaluations += static_cast<int>(points.size());
   return costs;
@@ -168,7 +185,7 @@ Eigen::VectorXd search(const FitProblem& problem, const NoiseMetric& metric, con
     for (const Eigen::VectorXd& inner : cmaes.ask()) generation.push_back(box.full(inner));
     const auto key = kSearchKeys + static_cast<std::uint64_t>(fit.evaluations);
     const Eigen::MatrixXd rows = problem.run(generation, options.seeds, key, log, progress);
-    cmaes.tell(note(generation, rows, options.seeds, metric, tried, fit));
+    cmaes.tell(note(generation, rows, options.seeds, metric, box, tried, fit));
     if (options.on_checkpoint) options.on_checkpoint(log.bytes(problem.seconds(log)));
     progress.remark(fmt::format("distance {:.2f}", fit.cost_history.back()));
     if (cmaes.converged(kSettled)) {
@@ -181,7 +198,7 @@ Eigen::VectorXd search(const FitProblem& problem, const NoiseMetric& metric, con
   return box.full(cmaes.mean());
 }
 
-Judged judge(const FitProblem& problem, const NoiseMetric& metric, UnitPoints finalists,
+Judged judge(const FitProblem& problem, const NoiseMetric& metric, const SearchBox& box, UnitPoints finalists,
              std::vector<Tried> tried, std::uint64_t first_key, SimulationLog& log, Progress& progress) {
   std::stable_sort(tried.begin(), tried.end(),
                    [](const Tried& a, const Tried& b) { return a.cost < b.cost; });
@@ -192,29 +209,34 @@ Judged judge(const FitProblem& problem, const NoiseMetric& metric, UnitPoints fi
   Judged best;
   for (std::size_t i = 0; i < finalists.size(); ++i) {
     const Eigen::MatrixXd own = rows.middleRows(static_cast<Eigen::Index>(i) * kJudgingSeeds, kJudgingSeeds);
-    const double cost = metric.cost(own);
+    const double distance = metric.cost(own), cost = search_cost(distance, finalists[i], box, metric);
     if (i == 0 || cost < best.cost)
-      best = {finalists[i], own, cost, first_key + i, problem.setting.observed.internode_length_m};
+      best = {finalists[i], own, distance, cost, first_key + i, problem.setting.observed.internode_length_m};
   }
   return best;
 }
 
-Judged settle_scale(const FitProblem& problem, const NoiseMetric& metric, Judged best, Progress& progress) {
-  best.shown = nearest_simulation(best.simulations, metric);
+Judged settle_scale(const FitProblem& problem, const NoiseMetric& metric, Judged best, SimulationLog& log,
+                    Progress& progress) {
+  progress.begin("choosing the tree to show", 1, "set");
+  const Eigen::MatrixXd grown = problem.run({best.point}, kShowingSeeds, best.key, log, progress);
+  progress.end();
+  best.shown = nearest_simulation(grown, metric);
   if (problem.options.internode_length_m) return best;
   const auto internodes = static_cast<Eigen::Index>(descriptor_row("internodes"));
   const DirectEstimates& direct = problem.setting.observed;
   const double ratio =
-      std::clamp(direct.size_internodes / std::exp(best.simulations(best.shown, internodes)), 0.25, 4.0);
+      std::clamp(direct.size_internodes / std::exp(grown(best.shown, internodes)), 0.25, 4.0);
   if (!std::isfinite(ratio)) return best;
   // Shapes do not depend on the internode length, but the diameter at 1.3 m, and so the radii, do.
   FitProblem scaled = problem;
   scaled.space.set_internode_length(direct.internode_length_m * ratio);
   SimulationLog own(0);  // other trees under the same keys
-  Eigen::MatrixXd simulations = scaled.run({best.point}, kJudgingSeeds, best.key, own, progress);
-  simulations.col(internodes).array() += std::log(ratio);  // counted in the convention's internodes
-  return {best.point, simulations, metric.cost(simulations), best.key, direct.internode_length_m * ratio,
-          best.shown};
+  best.simulations = scaled.run({best.point}, kJudgingSeeds, best.key, own, progress);
+  best.simulations.col(internodes).array() += std::log(ratio);  // counted in the convention's internodes
+  best.distance = metric.cost(best.simulations);
+  best.internode_length_m = direct.internode_length_m * ratio;
+  return best;
 }
 
 double seed_floor(const Eigen::MatrixXd& simulations, const NoiseMetric& metric) {

@@ -15,39 +15,52 @@ namespace dendrofit {
 /// posterior leaves them; the others stay at the posterior's median.
 struct SearchBox {
   std::vector<Eigen::Index> rows;
-  Eigen::VectorXd lo, hi;     ///< of those rows
-  Eigen::VectorXd elsewhere;  ///< the whole point
+  Eigen::VectorXd lo, hi;             ///< of those rows
+  Eigen::VectorXd elsewhere;          ///< the whole point
+  Eigen::VectorXd centre, deviation;  ///< of the posterior, whole points; deviation infinite where not
+                                      ///< searched for, or without a posterior
 
   Eigen::VectorXd full(const Eigen::VectorXd& inner) const;
   Eigen::VectorXd inner(const Eigen::VectorXd& full) const;
   /// Makes `point` the centre, and the ranges wide enough to hold it.
   void start_at(const Eigen::VectorXd& point);
+  /// Sum over the coordinates of their squared distances from the posterior's centre in its deviations,
+  /// beyond 3 of them going on linearly.
+  double improbability(const Eigen::VectorXd& point) const;
 };
 
 SearchBox search_box(const FitProblem& problem, const PosteriorSample& posterior);
+
+/// What the search makes small: the distance per descriptor, each coordinate's improbability counted as one
+/// descriptor more. Very different parameter sets grow trees equally near; of those, the probable one is
+/// wanted.
+double search_cost(double distance, const Eigen::VectorXd& point, const SearchBox& box,
+                   const NoiseMetric& metric);
 
 /// One evaluated parameter set.
 struct Tried {
   Eigen::VectorXd point;
   Eigen::VectorXd descriptors;  ///< mean over its seeds
-  double cost = 0;
+  double cost = 0;              ///< search_cost()
 };
 
 /// A parameter set judged on fresh seeds.
 struct Judged {
   Eigen::VectorXd point;
   Eigen::MatrixXd simulations;
-  double cost = 0;
+  double distance = 0;
+  double cost = 0;  ///< search_cost()
   std::uint64_t key = 0;
   double internode_length_m = 0;
-  int shown = 0;  ///< the simulation nearest to the observed tree, before its scale was settled
+  int shown = 0;  ///< the seed whose tree is nearest to the observed one, before its scale was settled
 };
 
 inline constexpr int kJudgingSeeds = 8;
 
-/// Notes evaluations whose simulations stand in `rows`, `seeds` rows a point; returns their costs.
+/// Notes evaluations whose simulations stand in `rows`, `seeds` rows a point; returns their search_cost()s.
 std::vector<double> note(const UnitPoints& points, const Eigen::MatrixXd& rows, int seeds,
-                         const NoiseMetric& metric, std::vector<Tried>& tried, TreeFit& fit);
+                         const NoiseMetric& metric, const SearchBox& box, std::vector<Tried>& tried,
+                         TreeFit& fit);
 
 /// Where to start: the posterior's centre, or one of the simulations of the prior nearest to the observed
 /// tree, whichever fresh seeds find nearer.
@@ -60,18 +73,19 @@ Eigen::VectorXd search(const FitProblem& problem, const NoiseMetric& metric, con
                        SimulationLog& log, std::vector<Tried>& tried, TreeFit& fit, Progress& progress);
 
 /// The finalists and the best few tried, on fresh seeds, since the best of many noisy costs is partly luck.
-Judged judge(const FitProblem& problem, const NoiseMetric& metric, UnitPoints finalists,
+Judged judge(const FitProblem& problem, const NoiseMetric& metric, const SearchBox& box, UnitPoints finalists,
              std::vector<Tried> tried, std::uint64_t first_key, SimulationLog& log, Progress& progress);
 
-/// Internode length is a convention unless it was given, and a scan's height is known to a hundredth: the one
-/// that gives the nearest tree the observed height is taken.
-Judged settle_scale(const FitProblem& problem, const NoiseMetric& metric, Judged best, Progress& progress);
+/// Which of some more seeds grows the nearest tree. And as the internode length is a convention unless it was
+/// given, and a scan's height is known to a hundredth: the one that gives that tree the observed height.
+Judged settle_scale(const FitProblem& problem, const NoiseMetric& metric, Judged best, SimulationLog& log,
+                    Progress& progress);
 
 /// Mean distance of each of the trees from the others: what no parameter set can get below.
 double seed_floor(const Eigen::MatrixXd& simulations, const NoiseMetric& metric);
 
-/// Minimum of a surrogate of the descriptors (linear with squares, least squares on what was tried) found by
-/// Ceres within the box; nothing where too little was tried.
+/// Minimum, with the coordinates' improbability, of a surrogate of the descriptors (linear with squares,
+/// least squares on what was tried) found by Ceres within the box; nothing where too little was tried.
 std::optional<Eigen::VectorXd> refine_on_surrogate(const std::vector<Tried>& tried, const SearchBox& box,
                                                    const NoiseMetric& metric, const Eigen::VectorXd& start);
 

@@ -58,16 +58,16 @@ std::vector<PosteriorTree> posterior_trees(const FitProblem& problem, const Nois
 Judged judge_ends(const FitProblem& problem, const NoiseMetric& metric, const SearchBox& box,
                   const Eigen::VectorXd& found, const std::vector<Tried>& tried, SimulationLog& log,
                   TreeFit& fit, Progress& progress) {
-  Judged best = judge(problem, metric, {found, box.elsewhere}, tried, kJudgingKeys + 1, log, progress);
+  Judged best = judge(problem, metric, box, {found, box.elsewhere}, tried, kJudgingKeys + 1, log, progress);
   const auto refined = refine_on_surrogate(tried, box, metric, best.point);
   if (!refined) {
     fit.refinement.outcome = "not tried: too few parameter sets for a surrogate";
     return best;
   }
-  const Judged other = judge(problem, metric, {*refined}, {}, kJudgingKeys + 100, log, progress);
+  const Judged other = judge(problem, metric, box, {*refined}, {}, kJudgingKeys + 100, log, progress);
   fit.refinement = {
       true, other.cost < best.cost, best.cost, other.cost,
-      other.cost < best.cost ? "kept: nearer on fresh seeds" : "dropped: not nearer on fresh seeds"};
+      other.cost < best.cost ? "kept: better on fresh seeds" : "dropped: not better on fresh seeds"};
   return fit.refinement.kept ? other : best;
 }
 
@@ -114,7 +114,7 @@ TreeFit fit_tree(const Tree& observed, const FitOptions& options, Progress& prog
   const NoiseMetric metric = noise_at(problem, prior.noise, box.elsewhere, log, progress);
   if (options.on_checkpoint) options.on_checkpoint(log.bytes(problem.seconds(log)));
   std::vector<Tried> tried;
-  note(prior.points, prior.simulations.descriptors, 1, metric, tried, fit);
+  note(prior.points, prior.simulations.descriptors, 1, metric, box, tried, fit);
   box.start_at(best_start(problem, prior, metric, box, log, tried, fit, progress));
   const Eigen::VectorXd found = search(problem, metric, box, log, tried, fit, progress);
 
@@ -122,7 +122,7 @@ TreeFit fit_tree(const Tree& observed, const FitOptions& options, Progress& prog
   const Eigen::MatrixXd before = problem.run({Eigen::VectorXd::Constant(problem.space.size(), 0.5)},
                                              kJudgingSeeds, kJudgingKeys, log, progress);
   Judged best = judge_ends(problem, metric, box, found, tried, log, fit, progress);
-  best = settle_scale(problem, metric, std::move(best), progress);
+  best = settle_scale(problem, metric, std::move(best), log, progress);
 
   SearchSpace space = problem.space;
   space.set_internode_length(best.internode_length_m);
@@ -130,7 +130,7 @@ TreeFit fit_tree(const Tree& observed, const FitOptions& options, Progress& prog
   fit.best_seed = simulation_seed(options.seed, best.key, best.shown);
   fit.best.tip_radius_m = regrow(fit.best, fit.direct, fit.best_seed, progress).tip_radius_m;
   fit.cost_before = metric.cost(before);
-  fit.cost_after = best.cost;
+  fit.cost_after = best.distance;
   fit.seed_floor = seed_floor(best.simulations, metric);
   fit.parameters = report_parameters(problem, posterior, fit.best);
   fit.correlated = report_correlations(problem, posterior);

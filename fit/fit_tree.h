@@ -99,7 +99,8 @@ struct PosteriorTree {
   double cost = 0;
 };
 
-/// The end of the search against the minimum of a surrogate of the descriptors (Ceres), on fresh seeds.
+/// The end of the search against the minimum of a surrogate of the descriptors (Ceres), on fresh seeds; costs
+/// are distances and what the parameters' improbability adds.
 struct SurrogateRefinement {
   bool tried = false;
   bool kept = false;
@@ -138,8 +139,9 @@ struct TreeFit {
 
 /// Method: descriptors of the observed tree; a posterior from simulations of the prior (a bank made
 /// beforehand, regression_posterior.h); CMA-ES inside it, every evaluation on fresh seeds, with distances
-/// counted in the noise that seeds and the observation make (Wood 2010); a least-squares step on a surrogate
-/// of the descriptors, kept where fresh seeds say that it is nearer; the end judged on fresh seeds again.
+/// counted in the noise that seeds and the observation make (Wood 2010) and parameters far from the
+/// posterior's centre counted against; a least-squares step on a surrogate of the descriptors, kept where
+/// fresh seeds say that it is better; the end judged on fresh seeds again.
 /// Radii scale with the model's tip radius, which is therefore set so that the diameter agrees. Same tree,
 /// options and seed: the same result for any number of threads, interrupted and resumed or not (unless
 /// `seconds` ends it). Throws InputError for bad options or an empty tree, SolverError when no simulation can

@@ -16,13 +16,7 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMissingPenalty = 9;          // 3 sd
 constexpr Eigen::Index kFewestReplicates = 8;  // with a descriptor, to tell its noise
 constexpr double kMostOfTypical = 2;           // standard deviations may be so many times the typical one
-constexpr double kHuber = 3;  // sd; a descriptor that the model cannot meet must not drown the others
-
-/// z^2 up to kHuber, going on linearly.
-double huber(double z) {
-  z = std::abs(z);
-  return z <= kHuber ? z * z : kHuber * (2 * z - kHuber);
-}
+constexpr double kHuber = 3;
 
 /// Mean and standard deviation of a column's finite values; NaN where too few tell.
 struct Spread {
@@ -45,6 +39,11 @@ double tempered(double typical, double local) {
 }
 
 }  // namespace
+
+double huber(double z) {
+  z = std::abs(z);
+  return z <= kHuber ? z * z : kHuber * (2 * z - kHuber);
+}
 
 NoiseMetric::NoiseMetric(const SeedNoise& typical, const Eigen::MatrixXd& replicates,
                          const Eigen::VectorXd& observed, const Eigen::VectorXd& error)

@@ -10,6 +10,9 @@
 
 namespace dendrofit {
 
+/// z^2 up to 3 (standard deviations), going on linearly: what the model cannot meet must not drown the rest.
+double huber(double z);
+
 /// Mahalanobis distance on the descriptors the observed tree has, with the covariance that chance makes
 /// between trees of one parameter set, plus the observation's own error.
 class NoiseMetric {

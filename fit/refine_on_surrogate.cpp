@@ -51,6 +51,30 @@ class SurrogateResidual : public ceres::CostFunction {
   Eigen::Index descriptor_;
 };
 
+/// Distance of one coordinate from the posterior's centre, in its deviations.
+class ImprobabilityResidual : public ceres::CostFunction {
+ public:
+  ImprobabilityResidual(const SearchBox& box, int coordinate) : coordinate_(coordinate) {
+    set_num_residuals(1);
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(box.rows.size()));
+    const Eigen::Index row = box.rows[static_cast<std::size_t>(coordinate)];
+    slope_ = (box.hi[coordinate] - box.lo[coordinate]) / box.deviation[row];
+    offset_ = (box.lo[coordinate] - box.centre[row]) / box.deviation[row];
+  }
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    residuals[0] = offset_ + slope_ * parameters[0][coordinate_];
+    if (jacobians && jacobians[0]) {
+      std::fill_n(jacobians[0], parameter_block_sizes()[0], 0.0);
+      jacobians[0][coordinate_] = slope_;
+    }
+    return true;
+  }
+
+ private:
+  int coordinate_;
+  double slope_ = 0, offset_ = 0;
+};
+
 }  // namespace
 
 std::optional<Eigen::VectorXd> refine_on_surrogate(const std::vector<Tried>& tried, const SearchBox& box,
@@ -78,6 +102,7 @@ std::optional<Eigen::VectorXd> refine_on_surrogate(const std::vector<Tried>& tri
   for (Eigen::Index j = 0; j < surrogate.observed.size(); ++j)
     problem.AddResidualBlock(new SurrogateResidual(surrogate, j), new ceres::HuberLoss(kLoss), u.data());
   for (int i = 0; i < d; ++i) {
+    problem.AddResidualBlock(new ImprobabilityResidual(box, i), new ceres::HuberLoss(kLoss), u.data());
     problem.SetParameterLowerBound(u.data(), i, 0);
     problem.SetParameterUpperBound(u.data(), i, 1);
   }

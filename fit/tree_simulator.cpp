@@ -16,14 +16,13 @@ namespace {
 
 // Tip radii over internode lengths (the authors' program: 0.03). Thicker "tips" would let a tree of a few
 // poles pass.
-constexpr double kThinnestTip = 0.005;
+constexpr double kThinnestTip = 0.003;
 constexpr double kThickestTip = 0.06;
-
-double thickest_root(const Tree& tree) {
-  double radius = 0;
-  for (std::size_t i = 0; i < tree.size(); ++i)
-    if (tree.parent[i] < 0) radius = std::max(radius, tree.radius[i]);
-  return radius;
+/// By what the regrown tree's radii must be multiplied.
+double diameter_ratio(const Tree& tree, const DirectEstimates& observed) {
+  if (observed.dbh_m)
+    if (const auto dbh = stem_diameter(tree, 1.3)) return *observed.dbh_m / *dbh;
+  return observed.reference_radius_m / reference_radius(tree);
 }
 
 std::vector<double> simulated(const IgmParameters& parameters, const SimulationSetting& setting,
@@ -54,16 +53,8 @@ Regrown regrow(const IgmParameters& parameters, const DirectEstimates& observed,
   // A stem is what is thickest, also where the model's leader died and a branch took over.
   assign_axes_by_thickness(grown.tree);
   // Pipe-model radii are proportional to the tip radius, so one growth serves every tip radius.
-  double wanted = 2 * observed.base_radius_m;
-  double has = 2 * thickest_root(grown.tree);
-  if (observed.dbh_m) {
-    if (const auto dbh = stem_diameter(grown.tree, 1.3)) {
-      wanted = *observed.dbh_m;
-      has = *dbh;
-    }
-  }
-  grown.tip_radius_m = std::clamp(parameters.tip_radius_m * wanted / has, kThinnestTip * parameters.rho_m,
-                                  kThickestTip * parameters.rho_m);
+  grown.tip_radius_m = std::clamp(parameters.tip_radius_m * diameter_ratio(grown.tree, observed),
+                                  kThinnestTip * parameters.rho_m, kThickestTip * parameters.rho_m);
   const double scale = grown.tip_radius_m / parameters.tip_radius_m;
   for (double& radius : grown.tree.radius) radius *= scale;
   return grown;

@@ -17,8 +17,8 @@
 namespace dendrofit {
 
 /// A tree regrown under `parameters`, its axes laid by thickness as those of a scanned tree, its radii scaled
-/// through the tip radius so that its diameter (at 1.3 m, else at the foot) is the observed one as far as tip
-/// radii of 0.005 to 0.06 internode lengths allow.
+/// through the tip radius so that its diameter is the observed one as far as tip radii of 0.003 to 0.06
+/// internode lengths allow: at 1.3 m, or at a tenth of the height where either tree is lower than that.
 struct Regrown {
   Tree tree;
   double tip_radius_m = 0;
