@@ -3,6 +3,7 @@
 
 #include "cli/views_output.h"
 #include "core/errors.h"
+#include "fit/descriptors.h"
 
 namespace dendrofit::cli {
 namespace {
@@ -31,6 +32,14 @@ ObservedTree from_views(Session& session, ViewSet read, const ReconstructSetting
   return observed;
 }
 
+/// The descriptors of a tree that one view does not tell.
+std::string untold_by_one_view() {
+  std::string names;
+  for (const DescriptorRow& row : descriptor_table())
+    if (!row.one_view) names += (names.empty() ? "" : ", ") + std::string(row.name);
+  return names;
+}
+
 ObservedTree from_photo(Session& session, const PhotoInput& input, const std::filesystem::path& folder,
                         const std::vector<std::string>& mesh_formats) {
   const PhotoReconstruction photo = reconstruct_from(input, session.progress());
@@ -40,6 +49,7 @@ ObservedTree from_photo(Session& session, const PhotoInput& input, const std::fi
     throw SolverError("the crown is in leaf: its outline shows no branches to fit a growth model to");
   if (!photo.metric)
     throw SolverError("a growth model is fitted in metres: give the tree's --height, or --scale-bar");
+  session.warn("left out of the fit, as one view does not tell them: " + untold_by_one_view());
   ObservedTree observed;
   observed.one_view = true;
   observed.model.tree = photo.tree;

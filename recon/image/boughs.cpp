@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <optional>
+#include <utility>
 
 namespace dendrofit {
 namespace {
@@ -25,6 +25,8 @@ constexpr float kSure = 1.5;     // times nearer to the bark's hue than to the s
 constexpr std::uint8_t kOther = 0, kMaybe = 1, kBark = 2;
 constexpr int kCrest = 2;               // rows about the horizon
 constexpr std::size_t kFewest = 8;      // of these
+constexpr float kBesideCrown = 0.2F;    // of the tree's width so far: boughs reach no farther to the side
+constexpr float kForkWidths = 3;        // half widths of the stem below: a fork's, at most
 constexpr std::size_t kLeastBark = 50;  // pixels that tell its colour
 
 float middle_of(std::vector<float>& values) {
@@ -44,20 +46,22 @@ float off_shades(const Colour& c, const Colour& of) {
   return (c - shade * of).norm();
 }
 
-/// Median colour of the deepest pixels in the tree's wood, where least of the sky's light mixes in; none
-/// where there is too little.
-std::optional<Colour> bark_of(const Photograph& photo, const std::vector<float>& inside) {
-  std::vector<float> depths;
-  for (const float depth : inside)
-    if (depth >= kDeep) depths.push_back(depth);
-  if (depths.size() < kLeastBark) return std::nullopt;
-  const std::size_t rank = std::max(kLeastBark, depths.size() / 20);
-  const auto limit = depths.begin() + static_cast<std::ptrdiff_t>(rank - 1);
-  std::nth_element(depths.begin(), limit, depths.end(), std::greater<>());
+/// Median colour of the darker third of the wood before the sky, away from its edges: where least of the
+/// sky's light mixes in. None where there is too little.
+std::optional<Colour> bark_of(const Photograph& photo, const SkyRatio& sky,
+                              const std::vector<float>& inside) {
+  std::vector<std::pair<float, std::size_t>> wood;  // ratio to the sky's light, pixel
+  for (int y = 0; y < photo.height; ++y)
+    for (int x = 0; x < photo.width; ++x)
+      if (const std::size_t p = photo.pixel(x, y);
+          inside[p] >= kDeep && y + kCrest < sky.horizon[static_cast<std::size_t>(x)])
+        wood.emplace_back(sky.ratio[p], p);
+  if (wood.size() < kLeastBark) return std::nullopt;
+  const auto third = wood.begin() + static_cast<std::ptrdiff_t>(wood.size() / 3);
+  std::nth_element(wood.begin(), third, wood.end());
   std::array<std::vector<float>, 3> channels;
-  for (std::size_t p = 0; p < inside.size(); ++p) {
-    if (inside[p] < *limit) continue;
-    const Colour c = colour_of(photo, p);
+  for (auto w = wood.begin(); w != third; ++w) {
+    const Colour c = colour_of(photo, w->second);
     for (std::size_t k = 0; k < 3; ++k) channels[k].push_back(c[static_cast<Eigen::Index>(k)]);
   }
   return Colour(middle_of(channels[0]), middle_of(channels[1]), middle_of(channels[2]));
@@ -65,20 +69,24 @@ std::optional<Colour> bark_of(const Photograph& photo, const std::vector<float>&
 
 /// Half the width of the stem that bears what crosses the horizon: its cross-section is that of all it bears.
 float bearing_half_width(const SkyRatio& sky, const std::vector<std::uint8_t>& tree) {
-  const int above = std::max(2, sky.height / 200);
-  float squares = 0;
-  int run = 0;
-  for (int x = 0; x <= sky.width; ++x) {
-    const int y = x < sky.width ? sky.horizon[static_cast<std::size_t>(x)] - above : -1;
-    if (y >= 0 && tree[static_cast<std::size_t>(y) * static_cast<std::size_t>(sky.width) +
-                       static_cast<std::size_t>(x)]) {
-      ++run;
-      continue;
+  float most = 0;
+  for (int k = 1; k <= 4; ++k) {  // the line of the horizon is jagged: at some distance above it
+    const int above = k * std::max(2, sky.height / 200);
+    float squares = 0;
+    int run = 0;
+    for (int x = 0; x <= sky.width; ++x) {
+      const int y = x < sky.width ? sky.horizon[static_cast<std::size_t>(x)] - above : -1;
+      if (y >= 0 && tree[static_cast<std::size_t>(y) * static_cast<std::size_t>(sky.width) +
+                         static_cast<std::size_t>(x)]) {
+        ++run;
+        continue;
+      }
+      squares += 0.25F * static_cast<float>(run * run);
+      run = 0;
     }
-    squares += 0.25F * static_cast<float>(run * run);
-    run = 0;
+    most = std::max(most, squares);
   }
-  return std::sqrt(squares);
+  return std::sqrt(most);
 }
 
 struct Behind {
@@ -186,13 +194,28 @@ std::vector<std::uint8_t> sure_of(const std::vector<std::uint8_t>& hued, int wid
   return sure;
 }
 
-/// The pieces of `hued` that touch known wood and reach beyond its fringe, none of them thicker than `most`.
+/// First and last column with a pixel of the tree.
+std::pair<int, int> columns_of(const std::vector<std::uint8_t>& tree, int width, int height) {
+  int least = width, most = -1;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      if (tree[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)]) {
+        least = std::min(least, x);
+        most = std::max(most, x);
+      }
+  return {least, most};
+}
+
+/// The pieces of `hued` that touch known wood and reach beyond its fringe, none of them thicker than `most`
+/// or far beside the crown (a wood's edge, a hedge).
 std::size_t add_touching(const std::vector<std::uint8_t>& hued, int width, int height, float most,
                          std::vector<std::uint8_t>& tree) {
   std::vector<std::uint8_t> own(tree.size(), 0), seen(tree.size(), 0);
   for (std::size_t p = 0; p < tree.size(); ++p) own[p] = hued[p] && !tree[p];
   const std::vector<float> thick = distance_inside(own, width, height);
   const std::vector<float> beyond = distance_outside(tree, width, height);
+  const auto [least_x, most_x] = columns_of(tree, width, height);
+  const int margin = static_cast<int>(kBesideCrown * static_cast<float>(most_x - least_x));
   std::size_t added = 0;
   std::vector<std::size_t> piece;
   for (std::size_t start = 0; start < own.size(); ++start) {
@@ -200,9 +223,11 @@ std::size_t add_touching(const std::vector<std::uint8_t>& hued, int width, int h
     piece.assign(1, start);
     seen[start] = 1;
     float reach = 0, thickest = 0, nearest = 1e9F;
+    bool beside = false;
     for (std::size_t k = 0; k < piece.size(); ++k) {
       const auto w = static_cast<std::size_t>(width);
       const int x = static_cast<int>(piece[k] % w), y = static_cast<int>(piece[k] / w);
+      beside = beside || x < least_x - margin || x > most_x + margin;
       reach = std::max(reach, beyond[piece[k]]);
       nearest = std::min(nearest, beyond[piece[k]]);
       thickest = std::max(thickest, thick[piece[k]]);
@@ -214,7 +239,7 @@ std::size_t add_touching(const std::vector<std::uint8_t>& hued, int width, int h
           piece.push_back(q);
         }
     }
-    if (nearest > 3 || reach < kFringe || thickest > most) continue;
+    if (nearest > 3 || reach < kFringe || thickest > most || beside) continue;
     for (const std::size_t p : piece) tree[p] = 1;
     added += piece.size();
   }
@@ -225,16 +250,17 @@ std::size_t add_touching(const std::vector<std::uint8_t>& hued, int width, int h
 
 std::size_t grow_boughs(const Photograph& photo, const SkyRatio& sky, std::vector<std::uint8_t>& tree) {
   const std::vector<float> inside = distance_inside(tree, photo.width, photo.height);
-  const std::optional<Colour> bark = bark_of(photo, inside);
+  const std::optional<Colour> bark = bark_of(photo, sky, inside);
   if (!bark) return 0;
-  const float thickest =
-      std::max(*std::max_element(inside.begin(), inside.end()), bearing_half_width(sky, tree));
+  // Where boughs part they are one piece, wider than the stem below.
+  const float most = std::max(1.5F * *std::max_element(inside.begin(), inside.end()),
+                              kForkWidths * bearing_half_width(sky, tree));
   const std::vector<std::uint8_t> hued =
       sure_of(bark_hued(photo, sky, tree, *bark), photo.width, photo.height);
   // Pieces that touch only what was just added are reached by a second look.
   std::size_t added = 0;
   for (int round = 0; round < 4; ++round) {
-    const std::size_t now = add_touching(hued, photo.width, photo.height, 1.5F * thickest, tree);
+    const std::size_t now = add_touching(hued, photo.width, photo.height, most, tree);
     added += now;
     if (now == 0) break;
   }

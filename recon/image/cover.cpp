@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include <Eigen/Core>
+
 namespace dendrofit {
 namespace {
 
@@ -37,9 +39,88 @@ float bark_near(const Silhouette& s, const std::vector<float>& light, const std:
   return count > 0 ? std::min(sum / static_cast<float>(count), kBrightest) : otherwise;
 }
 
+using Light = Eigen::Vector3f;
+
+/// The light of a picture's pixels, linear, by a table of its grey levels.
+class PictureLight {
+ public:
+  explicit PictureLight(const Photograph& photo) : photo_(photo) {
+    for (std::size_t grey = 0; grey < table_.size(); ++grey)
+      table_[grey] = std::pow(static_cast<float>(grey) / 255, kGamma);
+  }
+  Light at(std::size_t p) const {
+    return {table_[photo_.rgb[3 * p]], table_[photo_.rgb[3 * p + 1]], table_[photo_.rgb[3 * p + 2]]};
+  }
+
+ private:
+  const Photograph& photo_;
+  std::array<float, 256> table_{};
+};
+
+/// First row of a stem's foot, as far up as it is wide: where it meets the ground it has no edge to tell.
+int foot_row(const Silhouette& s, const std::vector<float>& inside) {
+  int bottom = s.height - 1;
+  const auto widest = [&](int y) {
+    const auto row = inside.begin() + static_cast<std::ptrdiff_t>(s.pixel(0, y));
+    return *std::max_element(row, row + s.width);
+  };
+  while (bottom > 0 && widest(bottom) <= 0) --bottom;
+  float half_width = 0;
+  int row = bottom;
+  for (; row > 0 && static_cast<float>(bottom - row) <= 2 * half_width + 2; --row)
+    half_width = std::max(half_width, widest(row));
+  return row;
+}
+
+/// Below the horizon there is no sky to compare with: an edge's pixels are told between the wood's light and
+/// that of what is behind, both from nearby. `tree` gains the soft edges that stand out.
+void soften_below_horizon(Silhouette& s, const SkyRatio& sky, const Photograph& photo) {
+  constexpr int kNear = 6;          // pixels
+  constexpr float kInside = 2;      // from the edge: wood without what is behind
+  constexpr float kOutside = 2.5F;  // from the edge: what is behind without wood
+  constexpr float kApart = 0.02F;   // of white: wood and what is behind must differ by
+  constexpr float kSoft = 0.25F;    // covered: part of the tree, as above the horizon
+  const std::vector<float> inside = distance_inside(s.tree, s.width, s.height);
+  const std::vector<float> outside = distance_outside(s.tree, s.width, s.height);
+  const PictureLight light(photo);
+  const int top = *std::min_element(sky.horizon.begin(), sky.horizon.end());
+  const int foot = foot_row(s, inside);
+  for (int y = std::max(0, top); y < foot; ++y)
+    for (int x = 0; x < s.width; ++x) {
+      const std::size_t p = s.pixel(x, y);
+      if (y < sky.horizon[static_cast<std::size_t>(x)] || inside[p] > kOutside || outside[p] > kInside)
+        continue;
+      Light wood = Light::Zero(), behind = Light::Zero();
+      int woods = 0, behinds = 0;
+      float deepest = 0;
+      for (int ny = std::max(top, y - kNear); ny <= std::min(s.height - 1, y + kNear); ++ny)
+        for (int nx = std::max(0, x - kNear); nx <= std::min(s.width - 1, x + kNear); ++nx) {
+          const std::size_t q = s.pixel(nx, ny);
+          if (outside[q] >= kOutside) {
+            behind += light.at(q);
+            ++behinds;
+          } else if (inside[q] >= std::max(deepest, 1.0F)) {
+            // Of thin wood, its middle.
+            if (inside[q] > deepest && deepest < kInside)
+              wood.setZero(), woods = 0, deepest = std::min(inside[q], kInside);
+            wood += light.at(q);
+            ++woods;
+          }
+        }
+      if (woods == 0 || behinds == 0) continue;
+      wood /= static_cast<float>(woods);
+      behind /= static_cast<float>(behinds);
+      const Light across = wood - behind;
+      if (across.norm() < kApart) continue;
+      s.cover[p] = std::clamp((light.at(p) - behind).dot(across) / across.squaredNorm(), 0.0F, 1.0F);
+      if (outside[p] <= 1.5F && s.cover[p] >= kSoft) s.tree[p] = 1;
+      if (!s.tree[p]) s.cover[p] = 0;
+    }
+}
+
 }  // namespace
 
-void set_cover(Silhouette& s, const SkyRatio& sky) {
+void set_cover(Silhouette& s, const SkyRatio& sky, const Photograph& photo) {
   const std::vector<float> light = light_of(sky);
   const std::vector<float> inside = distance_inside(s.tree, s.width, s.height);
   std::vector<float> bark;
@@ -62,6 +143,7 @@ void set_cover(Silhouette& s, const SkyRatio& sky) {
       const float own = s.tree[p] ? bark_near(s, light, inside, x, y, dark) : dark;
       s.cover[p] = std::clamp((1 - light[p]) / (1 - own), 0.0f, 1.0f);
     }
+  soften_below_horizon(s, sky, photo);
 }
 
 std::vector<std::uint8_t> sharpened(const Silhouette& s) {

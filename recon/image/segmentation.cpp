@@ -245,7 +245,7 @@ Silhouette from_sky(const Photograph& photo, const SegmentationOptions& options)
         "the stem is not told from what is behind it below the horizon: foot and height are uncertain; give "
         "--mask");
   s.horizon_px = clear_horizon(sky);
-  set_cover(s, sky);
+  set_cover(s, sky, photo);
   std::size_t standing = 0;  // on the tall groups: one tree each
   for (const TreeGroup& g : groups)
     if (g.height() > 0.4 * groups.front().height()) standing += g.pixels;

@@ -92,6 +92,52 @@ Relation relation(const Tree& tree, const std::vector<double>& beyond) {
   return result;
 }
 
+/// Cylinders where two arms of like thickness part: pictures show them as one, wider than either.
+std::vector<char> in_forks(const Tree& tree) {
+  constexpr double kLike = 0.5;  // of the thicker arm's radius
+  constexpr double kReach = 2;   // radii of the bearer from the fork to a cylinder's middle
+  const TreeChildren children(tree);
+  std::vector<char> in_fork(tree.size(), 0);
+  std::vector<std::pair<double, double>> radii(tree.size(), {0, 0});  // of the two thickest arms
+  for (std::size_t i = 0; i < tree.size(); ++i)
+    for (const std::int32_t c : children.of(i)) {
+      const double r = tree.radius[static_cast<std::size_t>(c)];
+      auto& [first, second] = radii[i];
+      second = std::max(second, std::min(first, r));
+      first = std::max(first, r);
+    }
+  std::vector<double> reach(tree.size(), 0);  // left of the fork's, at a cylinder's end
+  for (std::size_t i = 0; i < tree.size(); ++i) {
+    if (tree.parent[i] < 0) continue;
+    const auto p = static_cast<std::size_t>(tree.parent[i]);
+    const auto& [first, second] = radii[p];
+    const bool arm = second > kLike * first && tree.radius[i] > kLike * first;
+    const double left = arm ? kReach * tree.radius[p] : reach[p];
+    in_fork[i] = 0.5 * tree.length(i) < left;
+    reach[i] = left - tree.length(i);
+  }
+  return in_fork;
+}
+
+/// An axis' first cylinders follow from the first radius measured on it, as the tree tapers.
+void carry_down(Tree& tree, const std::vector<Axis>& axes, const std::vector<double>& beyond, double exponent,
+                std::vector<double>& weight) {
+  for (const Axis& axis : axes) {
+    const auto first = std::find_if(axis.nodes.begin(), axis.nodes.end(), [&](std::int32_t n) {
+      return tree.quality[static_cast<std::size_t>(n)] == RadiusQuality::measured;
+    });
+    if (first == axis.nodes.end() || axis.parent_node < 0) continue;
+    const auto from = static_cast<std::size_t>(*first);
+    for (auto n = axis.nodes.begin(); n != first; ++n) {
+      const auto i = static_cast<std::size_t>(*n);
+      tree.radius[i] = tree.radius[from] * std::pow(beyond[i] / beyond[from], exponent);
+      tree.quality[i] = RadiusQuality::interpolated;
+      tree.radius_se[i] = 3 * tree.radius_se[from];
+      weight[i] = 0.1 * weight[from];
+    }
+  }
+}
+
 void interpolate(Tree& tree, const std::vector<Axis>& axes, std::vector<double>& weight) {
   for (const Axis& axis : axes) {
     std::ptrdiff_t before = -1;
@@ -171,6 +217,7 @@ void centre_on_views(Tree& tree, const Sightings& sightings) {
 
 void settle_radii_from_views(Tree& tree, const Sightings& sightings) {
   std::vector<double> weight(tree.size(), 0), radii;
+  const std::vector<char> in_fork = in_forks(tree);
   for (std::size_t i = 0; i < tree.size(); ++i) {
     radii.clear();
     double px_per_m = 0;
@@ -180,7 +227,7 @@ void settle_radii_from_views(Tree& tree, const Sightings& sightings) {
         px_per_m = std::max(px_per_m, s.px_per_m);
       }
     tree.quality[i] = RadiusQuality::extrapolated;
-    if (radii.size() < 2) continue;
+    if (radii.size() < 2 || in_fork[i]) continue;
     const double middle = median(radii);
     for (double& r : radii) r = std::abs(r - middle);
     const double spread = std::hypot(1.4826 * median(radii), kEdgeDoubt / px_per_m);
@@ -192,7 +239,9 @@ void settle_radii_from_views(Tree& tree, const Sightings& sightings) {
   }
   const std::vector<double> beyond = length_beyond(tree);
   const Relation own = relation(tree, beyond);
-  interpolate(tree, axes_of(tree), weight);
+  const std::vector<Axis> axes = axes_of(tree);
+  interpolate(tree, axes, weight);
+  carry_down(tree, axes, beyond, own.exponent, weight);
   for (std::size_t i = 0; i < tree.size(); ++i) {
     if (weight[i] > 0) continue;
     tree.radius[i] = own.at(beyond[i]);

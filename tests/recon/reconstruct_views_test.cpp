@@ -127,5 +127,17 @@ TEST(ReconstructViews, AHeightGivesTheScale) {
   EXPECT_NEAR(reconstruct_views(set, options).model.metrics.height_m, 4, 0.06);
 }
 
+TEST(ReconstructViews, ABarAtTheStemGivesTheScale) {
+  ViewSet set = test::photograph_ring(young_tree(), small_ring(6));
+  const Camera first = set.views[0].camera;
+  const ScaleBar bar{*first.project({0, 0, 0}), *first.project({0, 0, 1.5}), 1.5};
+  for (View& view : set.views) view.camera.translation *= 0.031;
+  set.metric = false;
+  scale_to_bar(set, bar);
+  EXPECT_TRUE(set.metric);
+  EXPECT_NEAR(set.views[0].camera.translation.norm(), first.translation.norm(),
+              0.02 * first.translation.norm());
+}
+
 }  // namespace
 }  // namespace dendrofit

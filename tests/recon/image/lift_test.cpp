@@ -79,6 +79,20 @@ TEST(Frame, takes_the_eye_height_of_a_metric_camera) {
   EXPECT_NEAR(frame.point(*options.camera->project(top))->z(), 5, 1e-6);
 }
 
+TEST(Frame, takes_the_stems_middle_where_the_picture_shows_its_near_rim) {
+  FrameOptions options;
+  options.camera = camera_before(0.1);
+  options.metric_camera = true;
+  options.eye_height_m = 1.7;
+  const Vec3 rim(0, -0.2, 0), top(0, 0, 5);
+  const double half_width = 700 * 0.2 / options.camera->depth(rim);
+  const PictureFrame frame =
+      frame_tree(600, 900, *options.camera->project(rim), *options.camera->project(top), half_width, options);
+  EXPECT_NEAR(frame.distance_m, 6, 0.02);
+  EXPECT_NEAR(frame.foot.z(), 0, 1e-6);
+  EXPECT_NEAR(frame.point(*options.camera->project(top))->z() - frame.foot.z(), 5, 0.02);
+}
+
 TEST(Frame, pitches_an_unknown_camera_by_the_horizon) {
   FrameOptions options = of_height(5);
   options.horizon_px = 520;
@@ -102,6 +116,22 @@ TEST(Frame, refuses_what_contradicts_the_picture) {
         frame_tree(600, 900, {300, 400}, {310, 80}, 10, metric);
       },
       ThrowsMessage<InputError>(HasSubstr("--height")));
+}
+
+TEST(Lift, puts_nothing_above_the_top_in_the_picture) {
+  const PlaneSkeleton skeleton = ladder();
+  EXPECT_NEAR(foot_radius_px(skeleton), 14, 1);
+  FrameOptions options = of_height(7);
+  options.camera = camera_before(0.35);  // near, and looking up: depth moves wood up and down
+  const PictureFrame frame =
+      frame_tree(600, 900, skeleton.px.front(), {300, 80}, foot_radius_px(skeleton), options);
+  const Tree tree = lift(skeleton, frame, {});
+  double flat = -1e9, highest = -1e9;
+  for (std::size_t i = 0; i < tree.size(); ++i) {
+    flat = std::max(flat, frame.point(skeleton.px[i + 1])->z());
+    highest = std::max(highest, tree.end[i].z() + tree.origin_shift.z());
+  }
+  EXPECT_LT(highest, flat + 1e-6);
 }
 
 TEST(Lift, keeps_every_node_on_its_pixel) {

@@ -105,6 +105,32 @@ TEST(Settle, CentresAndRadiiComeBackToTheWood) {
   moved.validate();
 }
 
+TEST(Settle, WhereTwoArmsPartNeitherIsMeasuredAsBoth) {
+  Tree fork;
+  std::int32_t last = -1;
+  for (int i = 0; i < 5; ++i)
+    last =
+        fork.add({.start = {0, 0, 0.2 * i}, .end = {0, 0, 0.2 * (i + 1)}, .parent = i - 1, .radius = 0.06});
+  const std::int32_t bearer = last;
+  for (const double side : {-1.0, 1.0}) {
+    Vec3 at(0, 0, 1);
+    last = bearer;
+    for (int i = 0; i < 8; ++i) {
+      const Vec3 next = at + Vec3(0.025 * side, 0, 0.09);
+      last = fork.add(
+          {.start = at, .end = next, .parent = last, .radius = 0.04, .axis = side > 0, .order = side > 0});
+      at = next;
+    }
+  }
+  const Scene s = scene(fork, 8);
+  Tree settled = fork;
+  settle_radii_from_views(settled, sight_cylinders(settled, s.cameras, s.outlines, 2, 1));
+  for (const std::size_t first : {5U, 13U}) {
+    EXPECT_NE(settled.quality[first], RadiusQuality::measured);
+    EXPECT_LT(settled.radius[first], 0.052) << first;  // both arms together are 0.06 and more
+  }
+}
+
 TEST(Settle, WoodThatFewViewsShowIsNotCalledMeasured) {
   const Tree truth = two_posts();
   const Scene s = scene(truth, 8);
