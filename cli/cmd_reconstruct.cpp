@@ -81,7 +81,7 @@ class Reconstruct : public Command {
   }
 
   int from_views(Session& session, ViewSet read, const ReconstructOptions& options) {
-    const ViewSet set = scaled_views(std::move(read), photo_.height_m, session.progress());
+    const ViewSet set = photo_.scaled(std::move(read), session.progress());
     const auto folder = prepare_output_folder(output_, session.common());
     const ViewsReconstruction result = reconstruct_views(set, {.cloud = options}, session.progress());
     write_views_reconstruction(folder, set, result, meshes_);

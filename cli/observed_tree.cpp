@@ -21,7 +21,7 @@ ObservedTree from_scan(Session& session, const std::filesystem::path& input,
 ObservedTree from_views(Session& session, ViewSet read, const ReconstructSettings& settings,
                         const PhotoSettings& photo, const std::filesystem::path& folder,
                         const std::vector<std::string>& mesh_formats) {
-  const ViewSet set = scaled_views(std::move(read), photo.height_m, session.progress());
+  const ViewSet set = photo.scaled(std::move(read), session.progress());
   const ViewsReconstruction result =
       reconstruct_views(set, {.cloud = settings.resolve(session.common())}, session.progress());
   write_views_reconstruction(folder, set, result, mesh_formats);

@@ -5,6 +5,7 @@
 #include "core/errors.h"
 #include "io/read_image.h"
 #include "io/text_numbers.h"
+#include "recon/image/scale.h"
 
 #include <algorithm>
 #include <array>
@@ -38,12 +39,21 @@ std::vector<double> numbers(const std::string& option, const std::string& text, 
   return values;
 }
 
-Eigen::Vector2d inside(const std::string& option, const Eigen::Vector2d& pixel,
-                       const ReadImageResult& image) {
-  if (pixel.x() < 0 || pixel.y() < 0 || pixel.x() > image.full_width || pixel.y() > image.full_height)
-    throw InputError(fmt::format("{} {},{}: outside the photograph of {} x {} pixels", option, pixel.x(),
-                                 pixel.y(), image.full_width, image.full_height));
+/// A pixel of the picture as stored, in the picture as read.
+Eigen::Vector2d pixel_of(const std::string& option, double u, double v, const Photograph& photo) {
+  const Eigen::Vector2d pixel = std::ldexp(1.0, -photo.halvings) * Eigen::Vector2d(u, v);
+  if (u < 0 || v < 0 || pixel.x() > photo.width || pixel.y() > photo.height)
+    throw InputError(fmt::format("{} {},{}: outside {} of {} x {} pixels", option, u, v, photo.name,
+                                 photo.width << photo.halvings, photo.height << photo.halvings));
   return pixel;
+}
+
+/// None where it was not given.
+std::optional<ScaleBar> scale_bar_of(const std::string& text, const Photograph& photo) {
+  if (text.empty()) return std::nullopt;
+  const auto v = numbers("--scale-bar", text, 5, true);
+  return ScaleBar{pixel_of("--scale-bar", v[0], v[1], photo), pixel_of("--scale-bar", v[2], v[3], photo),
+                  v[4]};
 }
 
 }  // namespace
@@ -52,7 +62,7 @@ void PhotoSettings::declare(OptionTable& table) {
   table.number("--height", height_m, Quantity::length,
                "From photographs: the tree's height, which gives the scale");
   table.text("--scale-bar", scale_bar, "U1,V1,U2,V2,LENGTH",
-             "From a photograph: two pixels a known length apart, at the stem");
+             "From photographs: two pixels (of the first) a known length apart, at the stem");
   table.path("--mask", mask, "From a photograph: picture of its size, the tree white on black");
   table.text("--root", root, "U,V", "From a photograph: a pixel at the stem's foot");
   table.path("--cameras", cameras, "Photographs with cameras: cameras.json");
@@ -101,20 +111,16 @@ void PhotoSettings::check(const std::filesystem::path& input) const {
 }
 
 ReconstructPhotoOptions PhotoSettings::resolve(const CommonOptions& common, double dbh_height_m,
-                                               double pixel_scale) const {
+                                               const Photograph& photo) const {
   ReconstructPhotoOptions options;
   options.height_m = height_m;
   options.eye_height_m = eye_height_m;
   options.dbh_height_m = dbh_height_m;
   options.seed = common.seed;
-  if (!scale_bar.empty()) {
-    const auto v = numbers("--scale-bar", scale_bar, 5, true);
-    options.scale_bar =
-        ScaleBar{pixel_scale * Eigen::Vector2d(v[0], v[1]), pixel_scale * Eigen::Vector2d(v[2], v[3]), v[4]};
-  }
+  options.scale_bar = scale_bar_of(scale_bar, photo);
   if (!root.empty()) {
     const auto v = numbers("--root", root, 2, false);
-    options.root_px = pixel_scale * Eigen::Vector2d(v[0], v[1]);
+    options.root_px = pixel_of("--root", v[0], v[1], photo);
   }
   options.validate();
   return options;
@@ -124,18 +130,26 @@ ViewSet PhotoSettings::read_views() const {
   return cameras.empty() ? read_colmap(colmap) : read_cameras_json(cameras);
 }
 
+ViewSet PhotoSettings::scaled(ViewSet set, Progress& progress) const {
+  if (!root.empty())
+    throw UsageError(
+        "--root is for one photograph: of several trees in several views, name one by masks (\"mask\" in the "
+        "cameras file)");
+  if (set.metric && (height_m || !scale_bar.empty()))
+    throw UsageError(std::string(height_m ? "--height" : "--scale-bar") +
+                     ": these cameras have their own unit of length (metres); leave it out");
+  if (set.metric) return set;
+  if (height_m) scale_to_height(set, *height_m, progress);
+  if (const auto bar = scale_bar_of(scale_bar, set.views.front().photo)) scale_to_bar(set, *bar);
+  return set;
+}
+
 PhotoInput PhotoSettings::read_photo(const std::filesystem::path& input, const CommonOptions& common,
                                      double dbh_height_m) const {
   ReadImageResult image = read_photograph(input);
   if (!mask.empty()) read_mask(mask, image);
   PhotoInput result;
-  const double pixel_scale = std::ldexp(1.0, -image.halvings);
-  result.options = resolve(common, dbh_height_m, pixel_scale);
-  if (result.options.root_px) inside("--root", *result.options.root_px / pixel_scale, image);
-  if (result.options.scale_bar) {
-    inside("--scale-bar", result.options.scale_bar->from / pixel_scale, image);
-    inside("--scale-bar", result.options.scale_bar->to / pixel_scale, image);
-  }
+  result.options = resolve(common, dbh_height_m, image.photo);
   result.warnings = image.warnings;
   result.photo = std::move(image.photo);
   return result;
@@ -144,7 +158,7 @@ PhotoInput PhotoSettings::read_photo(const std::filesystem::path& input, const C
 PhotoInput PhotoSettings::from_view(ViewSet set, const CommonOptions& common, double dbh_height_m) const {
   PhotoInput result;
   View& view = set.views.front();
-  result.options = resolve(common, dbh_height_m, 1);
+  result.options = resolve(common, dbh_height_m, view.photo);
   result.options.camera = view.camera;
   result.options.metric_camera = set.metric;
   result.origin_shift = set.origin_shift;

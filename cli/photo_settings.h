@@ -37,13 +37,17 @@ struct PhotoSettings {
   /// Whether there are cameras of their own: --cameras or --colmap.
   bool has_cameras() const { return !cameras.empty() || !colmap.empty(); }
   ViewSet read_views() const;
+  /// Several views ready for reconstruct_views: with a unit of length where they have none. Throws UsageError
+  /// for a scale that contradicts cameras with a unit, and for what only one photograph can be asked.
+  ViewSet scaled(ViewSet set, Progress& progress) const;
   PhotoInput read_photo(const std::filesystem::path& input, const CommonOptions& common,
                         double dbh_height_m) const;
   /// The one view of a set.
   PhotoInput from_view(ViewSet set, const CommonOptions& common, double dbh_height_m) const;
 
  private:
-  ReconstructPhotoOptions resolve(const CommonOptions& common, double dbh_height_m, double pixel_scale) const;
+  ReconstructPhotoOptions resolve(const CommonOptions& common, double dbh_height_m,
+                                  const Photograph& photo) const;
 };
 
 /// Reads, reconstructs, and places the tree in the world.

@@ -15,6 +15,21 @@ namespace dendrofit::cli {
 
 using Json = nlohmann::ordered_json;
 
+namespace {
+
+Eigen::Vector2d place_from(const std::string& text) {
+  const std::size_t comma = text.find(',');
+  if (comma == std::string::npos) throw UsageError("--tree-at " + text + ": expected X,Y");
+  try {
+    return {parse_quantity(text.substr(0, comma), Quantity::length),
+            parse_quantity(text.substr(comma + 1), Quantity::length)};
+  } catch (const std::invalid_argument& fault) {
+    throw UsageError(fmt::format("--tree-at {}: {}", text, fault.what()));
+  }
+}
+
+}  // namespace
+
 void ReconstructSettings::declare(OptionTable& table) {
   table.number("--voxel", options.voxel_size_m, Quantity::length,
                "Points closer together than this are merged");
@@ -24,6 +39,10 @@ void ReconstructSettings::declare(OptionTable& table) {
                "Diameter of the species' twig ends, where known");
   table.number("--dbh-height", options.dbh_height_m, Quantity::length,
                "Height above the foot of the stem diameter");
+  table.text("--tree-at", tree_at, "X,Y",
+             "Of several trees in the scan: the one whose stem stands there, in the file's coordinates "
+             "(default: the "
+             "one with the most points)");
   table.text("--columns", columns, "LIST",
              "Columns of a text cloud, e.g. x,y,z,intensity ('-' skips one; default: detected)");
   table.text("--delimiter", delimiter, "CHAR", "Between the fields of a text cloud (default: detected)");
@@ -47,13 +66,18 @@ ReconstructOptions ReconstructSettings::resolve(const CommonOptions& common) con
   ReconstructOptions resolved = options;
   resolved.seed = common.seed;
   resolved.threads = common.threads;
+  if (!tree_at.empty()) resolved.tree_at = place_from(tree_at);
   resolved.validate();
   return resolved;
 }
 
 std::string reconstruction_json(const Reconstruction& r) {
+  Json others = Json::array();
+  for (const Vec3& foot : r.other_trees) others.push_back({foot.x(), foot.y(), foot.z()});
   const Json json = {{"foot", {r.foot.x(), r.foot.y(), r.foot.z()}},
                      {"ground_found", r.ground_found},
+                     {"stems", r.stems},
+                     {"other_trees", others},
                      {"leaf_on", r.leaf_on},
                      {"leafy_share", r.leafy_share},
                      {"straight_share", r.straight_share},
@@ -64,6 +88,7 @@ std::string reconstruction_json(const Reconstruction& r) {
                       {{"read", r.raw_points},
                        {"after_merging", r.clean_points},
                        {"ground", r.ground_points},
+                       {"other_trees", r.other_points},
                        {"stray", r.stray_points},
                        {"tree", r.tree_points},
                        {"leaf", r.leaf_points.size()}}},

@@ -14,7 +14,7 @@ namespace dendrofit::cli {
 
 struct ReconstructSettings {
   ReconstructOptions options;
-  std::string columns, delimiter;
+  std::string columns, delimiter, tree_at;
 
   void declare(OptionTable& table);
   PointCloud read_scan(const Session& session, const std::filesystem::path& file, Progress& progress) const;

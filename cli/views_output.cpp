@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/views_output.h"
 
-#include "cli/parse.h"
 #include "cli/reconstruct_settings.h"
 #include "cli/report/overlay.h"
 #include "core/atomic_file.h"
@@ -26,13 +25,6 @@ std::string stem_of(const ViewQuality& view, std::size_t number) {
 }
 
 }  // namespace
-
-ViewSet scaled_views(ViewSet set, const std::optional<double>& height_m, Progress& progress) {
-  if (set.metric && height_m)
-    throw UsageError("--height: these cameras have their own unit of length (metres); leave it out");
-  if (!set.metric && height_m) scale_to_height(set, *height_m, progress);
-  return set;
-}
 
 std::string views_json(const ViewsReconstruction& result) {
   Json views = Json::array();

@@ -12,10 +12,6 @@
 
 namespace dendrofit::cli {
 
-/// Views read, ready for reconstruct_views: with a unit of length from `height_m` where they have none.
-/// Throws UsageError for a height that contradicts cameras with a unit.
-ViewSet scaled_views(ViewSet set, const std::optional<double>& height_m, Progress& progress);
-
 /// A scan's files (qsm.csv, metrics.json, reconstruction.json, meshes), and views.json, surface.ply (the
 /// carved surface) and overlays/NAME.png: the tree drawn over each photograph.
 void write_views_reconstruction(const std::filesystem::path& folder, const ViewSet& set,

@@ -19,6 +19,7 @@ struct Photograph {
   std::string name;  ///< for messages
   int width = 0;
   int height = 0;
+  int halvings = 0;  ///< of the picture as stored: a pixel here is 2^halvings wide there
   std::vector<std::uint8_t> rgb;
   std::vector<std::uint8_t> mask;  ///< non-zero: tree. Empty: not given
 

@@ -36,8 +36,9 @@ ViewSet read_cameras_json(const std::filesystem::path& file, const ReadCamerasOp
 /// RADIAL). Photographs are looked for in the folder, its images/, and those of the two folders above; masks
 /// beside them as masks/NAME.png. Cameras whose focal length (over the picture's larger side) is more than
 /// 1.5 times off the median are dropped with their images, and named in the warnings. The model has no scale
-/// (metric = false) and no up: the world is turned so that the cameras' mean upward axis is +z. Throws
-/// InputError or IoError naming file and line.
+/// (metric = false) and no up: the world is turned so that +z is square to the cameras' x axes (cameras held
+/// level from side to side, however they look up or down), or their mean upward axis where these say little.
+/// Throws InputError or IoError naming file and line.
 ViewSet read_colmap(const std::filesystem::path& folder, const ReadCamerasOptions& options = {});
 
 }  // namespace dendrofit

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 namespace dendrofit {
@@ -159,6 +160,26 @@ void read_pose(const fs::path& file, const Line& line, const std::vector<std::st
   camera.translation = {v[4], v[5], v[6]};
 }
 
+/// Upwards, in the world of cameras that were held level from side to side, however they look up or down: the
+/// direction most nearly square to all their x axes. Where these say little (one line of sight), the mean of
+/// what is up in the pictures. Zero where nothing is.
+Vec3 common_up(const std::vector<ViewFile>& files) {
+  constexpr double kLeastSpread = 0.02, kClear = 10;  // of the x axes; times the spread across it
+  Vec3 up_in_pictures = Vec3::Zero();
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const ViewFile& file : files) {
+    const Vec3 x = file.camera.rotation.row(0);
+    up_in_pictures -= file.camera.rotation.row(1).transpose() / static_cast<double>(files.size());
+    spread += x * x.transpose() / static_cast<double>(files.size());
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+  const Vec3 up = axes.eigenvectors().col(0);
+  const double side = up.dot(up_in_pictures);
+  if (axes.eigenvalues()[1] >= std::max(kLeastSpread, kClear * axes.eigenvalues()[0]) && std::abs(side) > 0.3)
+    return side > 0 ? up : Vec3(-up);
+  return up_in_pictures.norm() > 0.1 ? up_in_pictures : Vec3(Vec3::Zero());
+}
+
 }  // namespace
 
 ViewSet read_colmap(const fs::path& folder, const ReadCamerasOptions& options) {
@@ -176,7 +197,6 @@ ViewSet read_colmap(const fs::path& folder, const ReadCamerasOptions& options) {
   const FileBytes bytes(file);
   const std::vector<Line> lines = lines_of(bytes.view());
   std::vector<ViewFile> files;
-  Vec3 up = Vec3::Zero();
   std::size_t at = 0;
   while (at < lines.size()) {
     const Line& line = lines[at];
@@ -196,7 +216,6 @@ ViewSet read_colmap(const fs::path& folder, const ReadCamerasOptions& options) {
     const fs::path name(words[9]);
     ViewFile view{name, {}, "images.txt, line " + std::to_string(line.number), camera->second};
     read_pose(file, line, words, view.camera);
-    up -= view.camera.rotation.row(1).transpose();
     if (options.load_photos) {
       view.photo = find_beside(folder, name, {"", "images"});
       if (view.photo.empty()) {
@@ -211,8 +230,8 @@ ViewSet read_colmap(const fs::path& folder, const ReadCamerasOptions& options) {
     files.push_back(std::move(view));
   }
   if (files.empty()) fail_in_file(file, "lists no image with a usable camera");
-  if (!(up.norm() > 0.1 * static_cast<double>(files.size())))
-    fail_in_file(file, "the cameras have no common upward direction; hold the camera upright");
+  const Vec3 up = common_up(files);
+  if (up.isZero()) fail_in_file(file, "the cameras have no common upward direction; hold the camera upright");
   set.views = load_views(files, options, set.warnings);
   settle_world(set, up);
   return set;

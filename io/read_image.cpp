@@ -134,7 +134,7 @@ ReadImageResult read_photograph(const std::filesystem::path& file, const ReadIma
   if (options.expected_size && !fits(swaps_sides(orientation)) && fits(false)) orientation = 1;
 
   ReadImageResult result;
-  result.halvings = stored.halvings;
+  result.halvings = result.photo.halvings = stored.halvings;
   result.full_width = swaps_sides(orientation) ? stored.stored_height : stored.stored_width;
   result.full_height = swaps_sides(orientation) ? stored.stored_width : stored.stored_height;
   Photograph& photo = result.photo;

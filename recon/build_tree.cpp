@@ -18,9 +18,9 @@ bool closes(const Limb& limb, const Vec3& from, std::size_t first, std::size_t l
   const Vec3 chord = end.centre - from;
   const double length = chord.norm(), few_radii = 3 * end.radius_m;
   if (length >= std::clamp(few_radii, 0.08, 0.15)) return true;
-  constexpr double kThin = 0.01;  // thinner wood's line bends by noise alone
-  if (end.radius_m < kThin || length < std::clamp(few_radii, 0.04, 0.15)) return false;
-  const double bend = std::max(0.0015, 0.1 * end.radius_m);
+  constexpr double kThin = 0.01;  // thinner wood's line bends by noise too
+  if (length < std::clamp(few_radii, 0.02, 0.15)) return false;
+  const double bend = end.radius_m < kThin ? 0.003 : std::max(0.0015, 0.1 * end.radius_m);
   for (std::size_t k = first; k < last; ++k) {
     const Vec3 d = limb.nodes[k].centre - from;
     if ((d - chord * (d.dot(chord) / (length * length))).norm() > bend) return true;
@@ -56,6 +56,15 @@ Vec3 leave_surface(const Tree& tree, std::size_t i, const Vec3& first) {
   return distance <= tree.radius[i] ? first : Vec3(axis + out * (tree.radius[i] / distance));
 }
 
+/// Where the stem stands whose lowest node this is.
+Vec3 nearest_foot(const std::vector<Foot>& feet, const Vec3& node) {
+  if (feet.empty()) return node;
+  const auto away = [&](const Foot& f) { return (f.position - node).squaredNorm(); };
+  return std::min_element(feet.begin(), feet.end(),
+                          [&](const Foot& a, const Foot& b) { return away(a) < away(b); })
+      ->position;
+}
+
 }  // namespace
 
 Tree build_tree(const std::vector<Limb>& limbs, const std::vector<Foot>& feet, const Vec3& origin_shift) {
@@ -63,7 +72,6 @@ Tree build_tree(const std::vector<Limb>& limbs, const std::vector<Foot>& feet, c
   tree.origin_shift = origin_shift;
   std::vector<std::vector<std::vector<std::int32_t>>> cylinder_at(limbs.size());  // by limb, by node
   std::vector<double> seen_radius;                                                // of every cylinder
-  std::size_t root = 0;
   for (std::size_t l = 0; l < limbs.size(); ++l) {
     const Limb& limb = limbs[l];
     cylinder_at[l].assign(limb.nodes.size(), {});
@@ -71,8 +79,7 @@ Tree build_tree(const std::vector<Limb>& limbs, const std::vector<Foot>& feet, c
     Vec3 from = limb.nodes.front().centre;
     std::size_t next = 1;
     if (limb.parent < 0) {
-      if (root < feet.size()) from = feet[root].position;
-      ++root;
+      from = nearest_foot(feet, from);
       next = 0;
     } else {
       const auto& bearer = cylinder_at[static_cast<std::size_t>(limb.parent)];

@@ -3,6 +3,7 @@
 
 #include "core/errors.h"
 #include "recon/cylinder_fit.h"
+#include "recon/pieces.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,139 +12,26 @@
 namespace dendrofit {
 namespace {
 
-/// A connected piece of the scan's lowest slice, with a line x = a + b z through it.
-struct Piece {
-  std::vector<std::uint32_t> points;
-  double low = 0, high = 0;  // heights
-  Eigen::Vector2d middle{0, 0}, slope{0, 0};
-  double middle_z = 0;
-  double diameter = 0;
-};
-
-Piece describe(std::vector<std::uint32_t> members, const std::vector<Vec3>& points,
-               const std::vector<double>& height) {
-  Piece piece;
-  piece.points = std::move(members);
-  const auto n = static_cast<double>(piece.points.size());
-  piece.low = 1e300;
-  piece.high = -1e300;
-  Vec3 mean = Vec3::Zero();
-  for (const std::uint32_t i : piece.points) {
-    mean += points[i] / n;
-    piece.low = std::min(piece.low, height[i]);
-    piece.high = std::max(piece.high, height[i]);
-  }
-  double zz = 0;
-  Eigen::Vector2d xz(0, 0);
-  for (const std::uint32_t i : piece.points) {
-    const Vec3 d = points[i] - mean;
-    zz += d.z() * d.z();
-    xz += d.z() * d.head<2>();
-  }
-  if (zz > 0) piece.slope = xz / zz;
-  // A ring of radius R has a mean square distance R^2 from its middle.
-  double spread = 0;
-  for (const std::uint32_t i : piece.points) {
-    const Vec3 d = points[i] - mean;
-    spread += (d.head<2>() - piece.slope * d.z()).squaredNorm() / n;
-  }
-  piece.middle = mean.head<2>();
-  piece.middle_z = mean.z();
-  piece.diameter = 2 * std::sqrt(spread);
-  return piece;
-}
-
-std::vector<Piece> pieces_between(const std::vector<Vec3>& points, const PointGraph& graph,
-                                  const std::vector<double>& height, double low, double high) {
-  std::vector<Piece> pieces;
-  std::vector<char> open(points.size(), 0);
-  for (std::size_t i = 0; i < points.size(); ++i) open[i] = height[i] >= low && height[i] < high;
-  std::vector<std::uint32_t> members;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!open[i]) continue;
-    members.assign(1, static_cast<std::uint32_t>(i));
-    open[i] = 0;
-    for (std::size_t m = 0; m < members.size(); ++m)
-      for (const std::uint32_t v : graph.of(members[m]))
-        if (open[v]) {
-          open[v] = 0;
-          members.push_back(v);
-        }
-    if (members.size() >= 6) pieces.push_back(describe(members, points, height));
-  }
-  return pieces;
-}
-
-/// Whether a piece is wood seen from outside: thin, or hollow (points on a closed surface), at half of its
-/// levels at least. Foliage fills its cross-section.
-bool looks_like_wood(const Piece& piece, const std::vector<Vec3>& points, const PointGraph& graph,
-                     const std::vector<double>& height, double thin) {
-  constexpr int kLevels = 4;
-  constexpr double kHollow = 0.2;  // scatter about the circle over its radius; a filled disc has 0.35
-  if (piece.diameter <= thin) return true;
-  std::vector<std::vector<std::uint32_t>> level(kLevels);
-  for (const std::uint32_t i : piece.points) {
-    const double share = (height[i] - piece.low) / (piece.high - piece.low);
-    level[static_cast<std::size_t>(std::clamp(static_cast<int>(share * kLevels), 0, kLevels - 1))].push_back(
-        i);
-  }
-  std::vector<char> open(points.size(), 0);
-  std::vector<std::uint32_t> members;
-  std::vector<Eigen::Vector2d> flat;
-  int good = 0;
-  for (const auto& all : level) {
-    bool found = false;
-    std::size_t most = 0;
-    for (const std::uint32_t i : all) open[i] = 1;
-    for (const std::uint32_t seed : all) {
-      if (!open[seed]) continue;
-      members.assign(1, seed);
-      open[seed] = 0;
-      for (std::size_t m = 0; m < members.size(); ++m)
-        for (const std::uint32_t v : graph.of(members[m]))
-          if (open[v]) {
-            open[v] = 0;
-            members.push_back(v);
-          }
-      if (members.size() < 6) continue;
-      const Piece part = describe(members, points, height);
-      flat.clear();
-      for (const std::uint32_t i : members)
-        flat.push_back(points[i].head<2>() - part.middle - part.slope * (points[i].z() - part.middle_z));
-      const CircleFit fit = algebraic_circle(flat);
-      if (members.size() <= most) continue;  // the level's largest cluster speaks for it
-      most = members.size();
-      found =
-          part.diameter <= thin || (fit.ok && fit.rms < kHollow * fit.radius && fit.radius < piece.diameter);
-    }
-    good += found;
-  }
-  return 2 * good >= kLevels;
-}
-
 Foot foot_of(const Piece& piece, const std::vector<Vec3>& points, const PointGraph& graph,
              const std::vector<double>& height, const Ground& ground, double lowest) {
   Foot foot;
   foot.slope = piece.slope;
   foot.diameter_m = piece.diameter;
   const double reach = 0.85 * piece.diameter + 2 * graph.typical_spacing_m;
-  const auto axis_at = [&](double z) -> Eigen::Vector2d {
-    return piece.middle + piece.slope * (z - piece.middle_z);
-  };
   double ring = std::max(3 * graph.typical_spacing_m, 0.25 * piece.diameter);
   for (int attempt = 0; attempt < 6 && foot.points.size() < 8; ++attempt, ring *= 1.6) {
     foot.points.clear();
     for (std::uint32_t i = 0; i < points.size(); ++i)
-      if (height[i] < lowest + ring && (points[i].head<2>() - axis_at(points[i].z())).norm() <= reach)
+      if (height[i] < lowest + ring && (points[i].head<2>() - piece.at(points[i].z())).norm() <= reach)
         foot.points.push_back(i);
   }
   double z = 1e300;
   for (const std::uint32_t i : foot.points) z = std::min(z, points[i].z());
   if (ground.present) {
-    const Eigen::Vector2d at = axis_at(z);
+    const Eigen::Vector2d at = piece.at(z);
     z = ground.height_at(at.x(), at.y());
   }
-  const Eigen::Vector2d at = axis_at(z);
+  const Eigen::Vector2d at = piece.at(z);
   foot.position = {at.x(), at.y(), z};
   return foot;
 }
@@ -220,8 +108,27 @@ std::vector<Foot> find_feet(const std::vector<Vec3>& points, const PointGraph& g
   else
     why << "the wood is spread over " << widest_seen << " m, a stem would be under " << thickest
         << " m thick";
-  why << "; is the stem occluded or cut off? Scan the lower trunk too, or keep it when clipping the tree";
+  why << "; is the stem occluded or cut off? Scan the lower trunk too, or keep it when clipping the tree. Of "
+         "a "
+         "plot with undergrowth, clip one tree";
   throw SolverError(why.str());
+}
+
+void keep_points(CleanScan& scan, const std::vector<char>& keep, std::vector<Foot>& feet) {
+  std::vector<std::uint32_t> number(scan.points.size(), Paths::kNone);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (!keep[i]) continue;
+    number[i] = static_cast<std::uint32_t>(kept);
+    scan.points[kept] = scan.points[i];
+    scan.source[kept++] = scan.source[i];
+  }
+  scan.points.resize(kept);
+  scan.source.resize(kept);
+  for (Foot& foot : feet) {
+    for (std::uint32_t& p : foot.points) p = number[p];
+    std::erase(foot.points, Paths::kNone);
+  }
 }
 
 std::size_t close_low_vegetation(const std::vector<Vec3>& points, const PointGraph& graph,

@@ -28,6 +28,9 @@ std::vector<double> heights_above_foot(const std::vector<Vec3>& points, const Pa
 std::vector<Foot> find_feet(const std::vector<Vec3>& points, const PointGraph& graph,
                             const std::vector<double>& height, const Ground& ground);
 
+/// Keeps the points with keep[i] != 0 in the scan, and the feet's points with their new numbers.
+void keep_points(CleanScan& scan, const std::vector<char>& keep, std::vector<Foot>& feet);
+
 /// Closes (open[i] = 0) the grass, herbs and shrubs about the stems of a scan with ground: what lies within
 /// half a metre of the ground away from a stem, and parts that end below 1.5 m and touch no stem. Returns how
 /// many points.

@@ -2,6 +2,7 @@
 #include "recon/reconstruct.h"
 
 #include "core/errors.h"
+#include "recon/align_scans.h"
 #include "recon/build_tree.h"
 #include "recon/foot.h"
 #include "recon/forks.h"
@@ -13,11 +14,14 @@
 #include "recon/scan_intervals.h"
 #include "recon/sections.h"
 #include "recon/skeleton.h"
+#include "recon/stems.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <iomanip>
+#include <sstream>
 
 #include <Eigen/Eigenvalues>
 
@@ -54,6 +58,26 @@ void set_leaves_aside(const PointCloud& cloud, const std::vector<std::uint32_t>&
   result.warnings.push_back(
       "the tree bears leaves: " + std::to_string(std::lround(100 * (1 - result.wood_share))) +
       " % of its points were set aside; twigs hidden in the foliage are missing");
+}
+
+/// Says that there are more stems than one, where there are.
+void tell_of_stems(Reconstruction& result) {
+  if (!result.other_trees.empty()) {
+    std::ostringstream text;
+    text << std::fixed << std::setprecision(1) << result.other_trees.size() + 1
+         << " trees stand in this scan: the model is of the one at " << result.foot.x() << " "
+         << result.foot.y() << "; " << result.other_points
+         << " points went to its neighbours. Where crowns touch, the border is a guess. --tree-at takes "
+            "another, such as "
+         << result.other_trees.front().x() << ',' << result.other_trees.front().y();
+    result.warnings.push_back(text.str());
+  } else if (result.other_points > 0) {
+    result.warnings.push_back(std::to_string(result.other_points) +
+                              " points of something lower that stands beside the tree were left out");
+  }
+  if (result.stems > 1)
+    result.warnings.push_back("the tree has " + std::to_string(result.stems) +
+                              " stems from one stool; its DBH is that of the thickest");
 }
 
 /// Throws SolverError where all points lie on one line: nothing there has a surface.
@@ -115,16 +139,35 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   std::vector<char> open(scan.points.size(), 1);
   const std::vector<double> height = heights_above_foot(scan.points, connected_parts(graph, open), ground);
   const std::vector<Foot> feet = find_feet(scan.points, graph, height, ground);
-  std::vector<Foot> tree_feet(feet.begin(), feet.begin() + 1);
-  result.foot = scan.origin_shift + feet.front().position;
-  result.ground_points += close_low_vegetation(scan.points, graph, height, ground, tree_feet, open);
+  const std::vector<Stool> trees = tell_trees(scan.points, graph, height, feet);
+  result.ground_points += close_low_vegetation(scan.points, graph, height, ground, stems_of(trees), open);
   clock.mark("foot");
 
   const Parts parts = connected_parts(graph, open);
   std::vector<Bridge> bridges = bridge_gaps(scan.points, graph, parts, graph_options, progress);
   clock.mark("gaps");
 
-  Paths paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);
+  Stool tree_feet = trees.front();
+  std::optional<std::size_t> wanted;
+  if (options.tree_at)
+    wanted = tree_nearest_to(*options.tree_at - scan.origin_shift.head<2>(), trees, scan.origin_shift);
+  if (trees.size() > 1) {
+    const KeptTree kept = keep_tree(scan.points, graph, bridges, trees, wanted, open, progress);
+    tree_feet = trees[kept.tree];
+    for (const std::size_t t : kept.other_trees)
+      result.other_trees.push_back(scan.origin_shift + trees[t].front().position);
+    result.other_points = kept.other_points;
+    keep_points(scan, open, tree_feet);
+    graph = neighbor_graph(scan.points, graph_options, progress);
+    open.assign(scan.points.size(), 1);
+    bridges = bridge_gaps(scan.points, graph, connected_parts(graph, open), graph_options, progress);
+    clock.mark("other trees");
+  }
+  result.foot = scan.origin_shift + tree_feet.front().position;
+  result.stems = tree_feet.size();
+  tell_of_stems(result);
+  result.stems = tree_feet.size();
+  Paths paths = shortest_paths(scan.points, graph, bridges, open, ring_of(tree_feet), progress);
   clock.mark("paths");
 
   WoodLeaf verdict;
@@ -139,18 +182,19 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
     graph = neighbor_graph(scan.points, graph_options, progress);
     open.assign(scan.points.size(), 1);
     bridges = bridge_gaps(scan.points, graph, connected_parts(graph, open), graph_options, progress);
-    paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);
+    paths = shortest_paths(scan.points, graph, bridges, open, ring_of(tree_feet), progress);
   }
   clock.mark("wood and leaves");
 
   std::vector<Section> sections = cut_sections(scan.points, graph, paths, tree_feet, progress);
   clock.mark("sections");
+  if (getenv("DUMP")) { FILE* f = fopen(getenv("DUMP"), "w"); for (size_t i = 0; i < sections.size(); ++i) { auto& q = sections[i]; fprintf(f, "%zu %d %.4f %.4f %.4f %.4f %.4f %zu %.3f %d %.3f %.3f %.3f\n", i, q.parent, q.centre.x()+scan.origin_shift.x(), q.centre.y()+scan.origin_shift.y(), q.centre.z()+scan.origin_shift.z(), q.radius_m, q.extent_m, q.points.size(), q.coasted_m, int(q.after_gap), q.direction.x(), q.direction.y(), q.direction.z()); } fclose(f); }
 
   const std::vector<Bridge> mended =
       mend_cut_branches(scan.points, sections, graph.typical_spacing_m, options.max_gap_m);
   if (!mended.empty()) {
     bridges.insert(bridges.end(), mended.begin(), mended.end());
-    paths = shortest_paths(scan.points, graph, bridges, open, tree_feet.front().points, progress);
+    paths = shortest_paths(scan.points, graph, bridges, open, ring_of(tree_feet), progress);
     sections = cut_sections(scan.points, graph, paths, tree_feet, progress);
   }
   result.tree_points = paths.order.size() + result.leaf_points.size();
@@ -168,6 +212,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   Sights sights = look_at_limbs(scan.points, limbs, seeing, progress);
   seeing.noise_m = scan_noise(limbs, sights, seeing.noise_m, radius_options);
   centre_limbs(limbs, sights, seeing);
+  result.scan_shifts = align_scans(scan.points, scan.source, limbs, seeing.noise_m);
   lead_limbs_back(scan.points, limbs, graph.typical_spacing_m);
   centre_limbs(limbs, look_at_limbs(scan.points, limbs, seeing, progress), seeing);
   progress.end();

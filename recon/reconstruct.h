@@ -23,8 +23,10 @@ struct ReconstructOptions {
   double dbh_height_m = 1.3;      ///< above the foot
   bool leaves_possible = true;    ///< false: every point is wood, however it lies among the others
   std::optional<double> twig_diameter_m = std::nullopt;  ///< of the species' twig ends, where known
-  int threads = 0;                                       ///< 0: all cores
-  std::uint64_t seed = 1;                                ///< of the resampling behind the intervals
+  std::optional<Eigen::Vector2d> tree_at =
+      std::nullopt;        ///< world x, y: which tree of several; none: the largest
+  int threads = 0;         ///< 0: all cores
+  std::uint64_t seed = 1;  ///< of the resampling behind the intervals
   /// Throws InputError naming field, value and limit.
   void validate() const;
 };
@@ -44,16 +46,20 @@ struct Reconstruction {
 
   Vec3 foot = Vec3::Zero();  ///< world position of the first stem's foot
   bool ground_found = false;
-  bool leaf_on = false;       ///< the verdict on the scan, see separate_leaves()
-  double leafy_share = 0;     ///< what it rests on: share of points in leaf-like places,
-  double straight_share = 1;  ///< and share of straight ones among the paths that bear something
-  double wood_share = 1;      ///< of the points that belong to the tree
-  double noise_m = 0;         ///< spread of points about the wood, one standard deviation
-  double spacing_m = 0;       ///< usual distance of a point's fourth neighbour
+  bool leaf_on = false;           ///< the verdict on the scan, see separate_leaves()
+  double leafy_share = 0;         ///< what it rests on: share of points in leaf-like places,
+  double straight_share = 1;      ///< and share of straight ones among the paths that bear something
+  double wood_share = 1;          ///< of the points that belong to the tree
+  double noise_m = 0;             ///< spread of points about the wood, one standard deviation
+  std::vector<Vec3> scan_shifts;  ///< by which the scans in the file lay off each other, see align_scans()
+  double spacing_m = 0;           ///< usual distance of a point's fourth neighbour
   std::size_t raw_points = 0;
   std::size_t clean_points = 0;   ///< after merging near duplicates
   std::size_t ground_points = 0;  ///< ground and low vegetation
   std::size_t stray_points = 0;   ///< isolated, or beyond every gap that may be bridged
+  std::size_t stems = 1;          ///< of the tree, from one stool
+  std::vector<Vec3> other_trees;  ///< world positions of trees that stand in the scan too and were left out,
+  std::size_t other_points = 0;   ///< with these points
   std::size_t tree_points = 0;    ///< wood and leaves
   std::size_t bridged_gaps = 0;   ///< gaps the skeleton crosses
 };

@@ -36,7 +36,7 @@ PhotoReconstruction reconstruct_photo(const Photograph& photo, const Reconstruct
     progress.begin("skeleton", 0, "lines");
     result.skeleton = skeletonise(silhouette, {.root_px = options.root_px});
     foot = result.skeleton.px.front();
-    foot_radius = result.skeleton.radius_px.front();
+    foot_radius = foot_radius_px(result.skeleton);
     progress.end();
     progress.check();
   }

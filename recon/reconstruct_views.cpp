@@ -217,29 +217,4 @@ ViewsReconstruction reconstruct_views(const ViewSet& set, const ViewsOptions& op
   return result;
 }
 
-void scale_to_height(ViewSet& set, double height_m, Progress& progress) {
-  require(std::isfinite(height_m) && height_m > 0 && height_m < 150, "height_m", height_m,
-          "must lie between 0 and 150 m");
-  std::vector<Camera> cameras;
-  std::vector<Outline> outlines;
-  std::vector<std::string> warnings;
-  for (const View& view : set.views) {
-    cameras.push_back(view.camera);
-    outlines.push_back(outline_of(view, warnings));
-  }
-  check_depth(cameras, outlines);
-  // Lengths near those of a tree first, so that the carving's cells are of a sensible size.
-  const double first = 10 / (cameras.front().centre() - common_middle(cameras, outlines)).norm();
-  for (Camera& camera : cameras) camera.translation *= first;
-  const Hull hull = carve(cameras, outlines,
-                          {.cell_m = 2 * carving_cell_m(cameras, outlines), .tolerance_px = 2.5}, progress);
-  if (hull.cells.empty())
-    throw SolverError("no place lies inside all masks: the poses or the masks do not belong together");
-  const Bounds bounds = bounds_of(hull.cells);
-  const std::optional<MaskFoot> foot = foot_of_masks(cameras, outlines);
-  const double scale = first * height_m / (bounds.hi.z() - (foot ? foot->position.z() : bounds.lo.z()));
-  for (View& view : set.views) view.camera.translation *= scale;
-  set.metric = true;
-}
-
 }  // namespace dendrofit

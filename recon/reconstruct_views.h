@@ -50,8 +50,4 @@ struct ViewsReconstruction {
 ViewsReconstruction reconstruct_views(const ViewSet& set, const ViewsOptions& options = {},
                                       Progress& progress = no_progress());
 
-/// Scales a set without a unit (metric = false) so that the tree in it is `height_m` tall: by its carved
-/// space, along +z.
-void scale_to_height(ViewSet& set, double height_m, Progress& progress = no_progress());
-
 }  // namespace dendrofit

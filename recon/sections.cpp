@@ -134,8 +134,7 @@ class Cutter {
             group_[v] = id;
             group.points.push_back(v);
           }
-      for (const std::uint32_t p : group.points)
-        group.mean += points_[p] / static_cast<double>(group.points.size());
+      set_mean(group);
       groups.push_back(std::move(group));
     }
     return groups;
@@ -154,6 +153,7 @@ class Cutter {
 
   void grow(std::size_t index) {
     float end = 0;
+    std::size_t heir = 0;  // the section in which thick wood goes on from here, once it has one
     for (std::vector<std::uint32_t> reached = next_points(index, end); !reached.empty();
          reached = next_points(index, end)) {
       Section parent;  // without its points: sections_ grows below
@@ -163,11 +163,32 @@ class Cutter {
       parent.coasted_m = sections_[index].coasted_m;
       std::vector<Group> groups = groups_of(reached, parent);
       merge_within(groups, parent);
+      gather_course(groups, parent);
       for (Group& group : groups) {
+        const bool round = group.main && parent.radius_m > kSurface * settings_.noise_m;
+        if (round && heir != 0 && joins(group, parent, sections_[heir])) continue;
+        if (round && heir == 0) heir = sections_.size();
         add(static_cast<std::int32_t>(index), parent, group);
         end_.push_back(end);
       }
     }
+  }
+
+  /// Paths up one side of thick wood may be longer than those up the other: what lies beside the heir is the
+  /// rest of its surface, not a second piece of wood in the same place.
+  bool joins(const Group& group, const Section& parent, Section& heir) {
+    const double ahead = (group.mean - parent.centre).dot(parent.direction);
+    if (ahead > 2 * step(parent)) return false;
+    Group both;
+    both.points = heir.points;
+    both.points.insert(both.points.end(), group.points.begin(), group.points.end());
+    set_mean(both);
+    const std::uint32_t id = group_[heir.points.front()];
+    for (const std::uint32_t p : group.points) group_[p] = id;
+    continue_cylinder(parent, both, heir);
+    heir.extent_m = extent(both, heir.direction);
+    heir.points = std::move(both.points);
+    return true;
   }
 
   /// Number of 24 sectors of the section's prolonged surface in which a group has points.
@@ -216,6 +237,44 @@ class Cutter {
       g.points.clear();
     }
     std::erase_if(groups, [](const Group& g) { return g.points.empty(); });
+  }
+
+  /// In a crotch the wood's surface and the branch that leaves are one connected group: thick wood takes what
+  /// lies on its course from all groups, where that shows twice as much of its surface as its own group does.
+  void gather_course(std::vector<Group>& groups, const Section& parent) {
+    constexpr int kFewestSectors = 10;
+    const auto main = std::find_if(groups.begin(), groups.end(), [](const Group& g) { return g.main; });
+    if (groups.size() < 2 || main == groups.end() || parent.radius_m < kSurface * settings_.noise_m) return;
+    Group all;
+    for (const Group& g : groups) all.points.insert(all.points.end(), g.points.begin(), g.points.end());
+    Section course;
+    if (!continue_cylinder(parent, all, course)) return;
+    const int sectors = sectors_of(all, course);
+    if (sectors < kFewestSectors || sectors < 2 * sectors_of(*main, course)) return;
+    const double reach = course.radius_m + std::max(settings_.noise_m, 0.1 * course.radius_m);
+    Group taken;
+    taken.main = true;
+    const std::uint32_t id = next_group_++;
+    for (Group& g : groups) {
+      std::vector<std::uint32_t> left;
+      for (const std::uint32_t p : g.points) {
+        const Vec3 d = points_[p] - course.centre;
+        const bool on = g.main || (d - course.direction * d.dot(course.direction)).norm() <= reach;
+        (on ? taken.points : left).push_back(p);
+      }
+      g.points = std::move(left);
+      set_mean(g);
+    }
+    std::erase_if(groups, [](const Group& g) { return g.points.empty(); });
+    for (const std::uint32_t p : taken.points) group_[p] = id;
+    set_mean(taken);
+    groups.insert(groups.begin(), std::move(taken));
+  }
+
+  void set_mean(Group& group) const {
+    group.mean.setZero();
+    for (const std::uint32_t p : group.points)
+      group.mean += points_[p] / static_cast<double>(group.points.size());
   }
 
   /// Thick wood goes on as the parent's cylinder foretells: the circle that its points and that forecast make

@@ -206,26 +206,16 @@ WoodLeaf separate_leaves(const std::vector<Vec3>& points, const PointGraph& grap
 
 std::vector<std::uint32_t> take_out_leaves(CleanScan& scan, const Paths& paths, const WoodLeaf& verdict,
                                            std::vector<Foot>& feet) {
-  std::vector<std::uint32_t> number(scan.points.size(), Paths::kNone), leaves;
-  CleanScan wood;
+  std::vector<std::uint32_t> leaves;
+  std::vector<char> wood(scan.points.size(), 0);
   for (std::size_t i = 0; i < scan.points.size(); ++i) {
     if (!std::isfinite(paths.length[i])) continue;
-    if (verdict.leaf[i]) {
+    if (verdict.leaf[i])
       leaves.push_back(scan.source[i]);
-      continue;
-    }
-    number[i] = static_cast<std::uint32_t>(wood.points.size());
-    wood.points.push_back(scan.points[i]);
-    wood.source.push_back(scan.source[i]);
+    else
+      wood[i] = 1;
   }
-  for (Foot& foot : feet) {
-    std::vector<std::uint32_t> kept;
-    for (const std::uint32_t p : foot.points)
-      if (number[p] != Paths::kNone) kept.push_back(number[p]);
-    foot.points = std::move(kept);
-  }
-  scan.points = std::move(wood.points);
-  scan.source = std::move(wood.source);
+  keep_points(scan, wood, feet);
   return leaves;
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <optional>
 
 namespace dendrofit {
@@ -19,11 +20,12 @@ constexpr float kScatter = 4;    // of the surroundings' own spread that a pixel
 constexpr float kLeastOff = 7;   // grey levels
 constexpr float kEdge = 1.5;     // pixels about what is surely bark
 constexpr float kFringe = 4;     // pixels beyond known wood that a bough must reach
-constexpr int kGridStep = 4;     // columns between places where the surroundings are told
+constexpr int kGridStep = 12;    // columns between places where the surroundings are told
 constexpr float kSure = 1.5;     // times nearer to the bark's hue than to the surroundings'
 constexpr std::uint8_t kOther = 0, kMaybe = 1, kBark = 2;
-constexpr int kCrest = 2;           // rows about the horizon
-constexpr std::size_t kFewest = 8;  // of these
+constexpr int kCrest = 2;               // rows about the horizon
+constexpr std::size_t kFewest = 8;      // of these
+constexpr std::size_t kLeastBark = 50;  // pixels that tell its colour
 
 float middle_of(std::vector<float>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -42,17 +44,41 @@ float off_shades(const Colour& c, const Colour& of) {
   return (c - shade * of).norm();
 }
 
-/// Median colour of the tree's thick wood; none where there is too little.
-std::optional<Colour> bark_of(const Photograph& photo, const std::vector<std::uint8_t>& tree) {
-  const std::vector<float> inside = distance_inside(tree, photo.width, photo.height);
+/// Median colour of the deepest pixels in the tree's wood, where least of the sky's light mixes in; none
+/// where there is too little.
+std::optional<Colour> bark_of(const Photograph& photo, const std::vector<float>& inside) {
+  std::vector<float> depths;
+  for (const float depth : inside)
+    if (depth >= kDeep) depths.push_back(depth);
+  if (depths.size() < kLeastBark) return std::nullopt;
+  const std::size_t rank = std::max(kLeastBark, depths.size() / 20);
+  const auto limit = depths.begin() + static_cast<std::ptrdiff_t>(rank - 1);
+  std::nth_element(depths.begin(), limit, depths.end(), std::greater<>());
   std::array<std::vector<float>, 3> channels;
   for (std::size_t p = 0; p < inside.size(); ++p) {
-    if (inside[p] < kDeep) continue;
+    if (inside[p] < *limit) continue;
     const Colour c = colour_of(photo, p);
     for (std::size_t k = 0; k < 3; ++k) channels[k].push_back(c[static_cast<Eigen::Index>(k)]);
   }
-  if (channels[0].size() < 50) return std::nullopt;
   return Colour(middle_of(channels[0]), middle_of(channels[1]), middle_of(channels[2]));
+}
+
+/// Half the width of the stem that bears what crosses the horizon: its cross-section is that of all it bears.
+float bearing_half_width(const SkyRatio& sky, const std::vector<std::uint8_t>& tree) {
+  const int above = std::max(2, sky.height / 200);
+  float squares = 0;
+  int run = 0;
+  for (int x = 0; x <= sky.width; ++x) {
+    const int y = x < sky.width ? sky.horizon[static_cast<std::size_t>(x)] - above : -1;
+    if (y >= 0 && tree[static_cast<std::size_t>(y) * static_cast<std::size_t>(sky.width) +
+                       static_cast<std::size_t>(x)]) {
+      ++run;
+      continue;
+    }
+    squares += 0.25F * static_cast<float>(run * run);
+    run = 0;
+  }
+  return std::sqrt(squares);
 }
 
 struct Behind {
@@ -82,7 +108,7 @@ class Evened {
 /// columns (wood and sky) left out.
 std::vector<Behind> behind_row(const std::vector<Colour>& row, const std::vector<std::uint8_t>& other,
                                int reach, const Colour& bark) {
-  const int width = static_cast<int>(row.size()), step = std::max(3, reach / 40);
+  const int width = static_cast<int>(row.size()), step = std::max(3, reach / 20);
   std::vector<Behind> result;
   std::vector<Colour> samples;
   std::vector<float> values;
@@ -198,10 +224,11 @@ std::size_t add_touching(const std::vector<std::uint8_t>& hued, int width, int h
 }  // namespace
 
 std::size_t grow_boughs(const Photograph& photo, const SkyRatio& sky, std::vector<std::uint8_t>& tree) {
-  const std::optional<Colour> bark = bark_of(photo, tree);
-  if (!bark) return 0;
   const std::vector<float> inside = distance_inside(tree, photo.width, photo.height);
-  const float thickest = *std::max_element(inside.begin(), inside.end());
+  const std::optional<Colour> bark = bark_of(photo, inside);
+  if (!bark) return 0;
+  const float thickest =
+      std::max(*std::max_element(inside.begin(), inside.end()), bearing_half_width(sky, tree));
   const std::vector<std::uint8_t> hued =
       sure_of(bark_hued(photo, sky, tree, *bark), photo.width, photo.height);
   // Pieces that touch only what was just added are reached by a second look.

@@ -74,8 +74,10 @@ PictureFrame frame_tree(int width, int height, const Eigen::Vector2d& foot_px, c
   frame.away = level.normalized();
   frame.distance_m = 1;
 
-  const auto foot = frame.point(foot_px), top = frame.point(top_px);
-  const double unit_height = foot && top ? top->z() - foot->z() : 0;
+  // The picture shows the foot's near rim, one radius before its centre.
+  const double below = (centre.z() - frame.point(foot_px)->z()) * (1 - foot_radius_px / frame.camera.fx);
+  const auto top = frame.point(top_px);
+  const double unit_height = top ? top->z() - centre.z() + below : 0;
   if (!(unit_height > 0))
     throw InputError("the tree's top is not above its foot in the picture: choose the foot with --root");
   double scale = 1 / unit_height;
@@ -91,13 +93,10 @@ PictureFrame frame_tree(int width, int height, const Eigen::Vector2d& foot_px, c
     frame.scale_source = "scale bar";
     frame.scale_error = 1.5 / (options.scale_bar->to - options.scale_bar->from).norm();
   } else if (options.metric_camera) {
-    const double below = centre.z() - foot->z();
     if (!(below > 0.02))
       throw InputError(
           "the tree's foot is not below the camera, so the camera's height gives no scale: give --height");
-    // The picture shows the foot's near rim, one radius before its centre.
-    const double rim = options.eye_height_m / below;
-    scale = rim * (1 + foot_radius_px / frame.camera.fx);
+    scale = options.eye_height_m / below;
     frame.scale_source = "eye height";
     frame.scale_error = 0.15 / options.eye_height_m;
   }
@@ -105,10 +104,11 @@ PictureFrame frame_tree(int width, int height, const Eigen::Vector2d& foot_px, c
   if (!frame.known_camera || !options.metric_camera) {
     // The foot is the origin of a world whose camera is free.
     frame.camera.translation = Vec3::Zero();
-    const Vec3 at = *frame.point(foot_px);
+    const Vec3 at(frame.away.x() * scale, frame.away.y() * scale, -below * scale);
     frame.camera.translation = frame.camera.rotation * at;
   }
   frame.foot = *frame.point(foot_px);
+  frame.foot.z() = frame.camera.centre().z() - below * scale;
   return frame;
 }
 

@@ -32,7 +32,7 @@ struct FrameOptions {
 /// The vertical plane through the foot that faces the camera, in the camera's world.
 struct PictureFrame {
   Camera camera;
-  Vec3 foot = Vec3::Zero();
+  Vec3 foot = Vec3::Zero();   ///< on the ground, in the stem's middle
   Vec3 away = Vec3::UnitY();  ///< horizontal unit vector from the camera to the foot
   double distance_m = 1;      ///< horizontal, camera to foot
   std::string scale_source;   ///< "height", "scale bar", "eye height" or "none"
@@ -45,10 +45,11 @@ struct PictureFrame {
   double metres_per_pixel(const Vec3& point) const;
 };
 
-/// The frame for a tree between two pixels. Without a camera: a phone's field of view (focal length 0.72 of
-/// the longer side), no roll, pitch from the horizon where it is known. Scale, in this order: the tree's
-/// height, the scale bar, a metric camera held eye_height_m above the foot; otherwise the tree is 1 high.
-/// Throws InputError where these contradict the picture (a top below the foot, a camera below it).
+/// The frame for a tree between two pixels: the lowest of its foot, whose half-width is told, and its top.
+/// Without a camera: a phone's field of view (focal length 0.72 of the longer side), no roll, pitch from the
+/// horizon where it is known. Scale, in this order: the tree's height, the scale bar, a metric camera held
+/// eye_height_m above the foot; otherwise the tree is 1 high. Throws InputError where these contradict the
+/// picture (a top below the foot, a camera below it).
 PictureFrame frame_tree(int width, int height, const Eigen::Vector2d& foot_px, const Eigen::Vector2d& top_px,
                         double foot_radius_px, const FrameOptions& options);
 

@@ -155,18 +155,33 @@ class Lifter {
     return found;
   }
 
-  /// Depths of an axis' nodes for a slope, less steep where the crown is too narrow for it.
+  /// The depth at which a node's ray is as high as the tree's top in the plane: a told height bounds the
+  /// tree.
+  double depth_at_top(std::size_t cylinder) const {
+    const double eye = frame_.camera.centre().z(), rise = tree_.end[cylinder].z() - eye;
+    return ((top_ + foot_.y() - eye) / rise - 1) * frame_.distance_m;
+  }
+
+  /// Depths of an axis' nodes for a slope, less steep where the crown is too narrow for it, and turned so
+  /// that it stays below the top.
   std::vector<double> depths(const Axis& axis, double slope) const {
     const double start = axis.parent_node >= 0 ? depth_[static_cast<std::size_t>(axis.parent_node)] : 0;
     std::vector<double> run(axis.nodes.size());
     double sum = 0;
     for (std::size_t k = 0; k < axis.nodes.size(); ++k)
       run[k] = sum += tree_.length(static_cast<std::size_t>(axis.nodes[k]));
-    for (std::size_t k = 0; k < axis.nodes.size() && slope != 0; ++k) {
-      const double height = tree_.end[static_cast<std::size_t>(axis.nodes[k])].z() - foot_.y();
+    for (std::size_t k = 0; k < axis.nodes.size(); ++k) {
+      const auto cylinder = static_cast<std::size_t>(axis.nodes[k]);
+      const double rise = tree_.end[cylinder].z() - frame_.camera.centre().z();
+      const double height = tree_.end[cylinder].z() - foot_.y();
       const double room = std::max(half_width_[band(height)], std::abs(start));
-      const double depth = start + slope * run[k];
-      if (std::abs(depth) > room) slope = (std::copysign(room, depth) - start) / run[k];
+      double depth = start + slope * run[k];
+      if (std::abs(depth) > room) depth = std::copysign(room, depth);
+      if (std::abs(rise) > 1e-9) {
+        const double limit = depth_at_top(cylinder);
+        depth = rise > 0 ? std::min(depth, limit) : std::max(depth, limit);
+      }
+      slope = (depth - start) / run[k];
     }
     for (double& r : run) r = start + slope * r;
     return run;

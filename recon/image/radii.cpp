@@ -10,6 +10,7 @@ namespace dendrofit {
 namespace {
 
 constexpr double kGridBias = 0.3;
+constexpr double kGridError = 0.6;  ///< pixels, of a radius from distances
 constexpr double kThin = 1.5;       ///< below this the grid is too coarse for distances
 constexpr double kThinnest = 0.25;  ///< pixels: less does not darken a pixel enough to be seen
 
@@ -24,15 +25,17 @@ double cover_at(const Silhouette& s, const Eigen::Vector2d& p) {
          fy * ((1 - fx) * value(x0, y0 + 1) + fx * value(x0 + 1, y0 + 1));
 }
 
-/// Cover summed across the path, out to where it has faded or another branch begins.
-double width_across(const Silhouette& s, const Eigen::Vector2d& p, const Eigen::Vector2d& across) {
+/// Cover summed across the path to both sides of wood `reach` pixels to a side, out to where it has faded or
+/// another branch begins.
+double width_across(const Silhouette& s, const Eigen::Vector2d& p, const Eigen::Vector2d& across,
+                    double reach) {
   constexpr double step = 0.25;
   double sum = cover_at(s, p) * step;
   for (const double side : {-1.0, 1.0}) {
     double before = cover_at(s, p);
-    for (double t = step; t <= 4; t += step) {
+    for (double t = step; t <= reach; t += step) {
       const double cover = cover_at(s, p + side * t * across);
-      if (cover < 0.02 || (t > 1 && cover > before + 0.02)) break;
+      if (cover < 0.02 || (t > reach - 3 && cover > before + 0.02)) break;
       sum += cover * step;
       before = cover;
     }
@@ -66,13 +69,14 @@ std::vector<double> path_radii(const Silhouette& silhouette, const std::vector<f
     if (inside[i] <= 0) continue;
     const int x = std::clamp(static_cast<int>(path[i].x()), 0, silhouette.width - 1);
     const int y = std::clamp(static_cast<int>(path[i].y()), 0, silhouette.height - 1);
-    radius[i] = ridge(silhouette, solid, x, y) - kGridBias;
-    if (radius[i] >= kThin) continue;
-    radius[i] = std::max(kThinnest, radius[i]);
-    const Eigen::Vector2d along = path[std::min(n - 1, i + 3)] - path[i >= 3 ? i - 3 : 0];
+    radius[i] = std::max(kThinnest, ridge(silhouette, solid, x, y) - kGridBias);
+    const auto reach = static_cast<std::size_t>(std::max(3L, std::lround(radius[i])));
+    const Eigen::Vector2d along = path[std::min(n - 1, i + reach)] - path[i >= reach ? i - reach : 0];
     if (along.norm() < 1) continue;
     const Eigen::Vector2d across(-along.y() / along.norm(), along.x() / along.norm());
-    radius[i] = std::max(kThinnest, 0.5 * width_across(silhouette, path[i], across));
+    const double half = 0.5 * width_across(silhouette, path[i], across, radius[i] + 3);
+    // The widest disc within rough edges is too thin; the width across a fork says nothing.
+    if (radius[i] < kThin || std::abs(half - radius[i]) <= kGridError) radius[i] = std::max(kThinnest, half);
   }
   // Gaps take what stands on either side.
   for (std::size_t i = 0; i < n; ++i) {

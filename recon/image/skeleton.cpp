@@ -2,6 +2,7 @@
 #include "recon/image/skeleton.h"
 
 #include "core/errors.h"
+#include "recon/image/cover.h"
 #include "recon/image/distance.h"
 #include "recon/image/lines.h"
 #include "recon/image/radii.h"
@@ -208,9 +209,9 @@ void ImageSkeletonOptions::validate() const {
 
 PlaneSkeleton skeletonise(const Silhouette& silhouette, const ImageSkeletonOptions& options) {
   options.validate();
-  LineImage lines{silhouette.width, silhouette.height,
-                  thin(silhouette.tree, silhouette.width, silhouette.height),
-                  distance_inside(silhouette.tree, silhouette.width, silhouette.height)};
+  const std::vector<std::uint8_t> sharp = sharpened(silhouette);
+  LineImage lines{silhouette.width, silhouette.height, thin(sharp, silhouette.width, silhouette.height),
+                  distance_inside(sharp, silhouette.width, silhouette.height)};
   PlaneSkeleton result;
   result.joined_pieces = join_pieces(lines, options.gap_px, options.gap_radii, options.gap_turn_deg);
   PlaneGraph graph = trace(lines);
@@ -236,6 +237,19 @@ PlaneSkeleton skeletonise(const Silhouette& silhouette, const ImageSkeletonOptio
   bound_branches(result);
   if (result.size() < 2) throw SolverError("no tree found: the silhouette holds no line to follow");
   return result;
+}
+
+double foot_radius_px(const PlaneSkeleton& skeleton) {
+  double radius = skeleton.radius_px.front(), run = 0;
+  std::size_t at = 0;
+  for (std::size_t i = 1; i < skeleton.size() && run <= 2 * radius; ++i) {
+    const bool on = static_cast<std::size_t>(skeleton.parent[i]) == at && skeleton.continues[i];
+    if (at != 0 ? !on : skeleton.parent[i] != 0) continue;
+    run += (skeleton.px[i] - skeleton.px[at]).norm();
+    radius = std::max(radius, skeleton.radius_px[i]);
+    at = i;
+  }
+  return radius;
 }
 
 }  // namespace dendrofit

@@ -43,4 +43,7 @@ struct PlaneSkeleton {
 /// resolved, remaining loops cut. Throws SolverError where the silhouette holds no line.
 PlaneSkeleton skeletonise(const Silhouette& silhouette, const ImageSkeletonOptions& options = {});
 
+/// Half the stem's width at its foot: the largest radius within twice that along the stem from the root.
+double foot_radius_px(const PlaneSkeleton& skeleton);
+
 }  // namespace dendrofit

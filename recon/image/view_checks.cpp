@@ -4,6 +4,7 @@
 #include "core/errors.h"
 #include "core/parallel.h"
 #include "core/tree_topology.h"
+#include "recon/image/cover.h"
 #include "recon/image/segmentation.h"
 #include "recon/intervals.h"
 
@@ -46,7 +47,9 @@ void check_views(const ViewSet& set) {
         " given, at least 2 are needed for depth (4 for a usable crown, 8 for a good one); a single "
         "photograph goes without --cameras");
   if (!set.metric)
-    throw InputError("the cameras have no unit of length: give the tree's height (--height 12.4m)");
+    throw InputError(
+        "the cameras have no unit of length: give the tree's height (--height 12.4m) or a "
+        "--scale-bar in the first view");
   for (const View& view : set.views) {
     view.photo.validate();
     view.camera.validate();
@@ -79,7 +82,7 @@ Outline outline_of(const View& view, std::vector<std::string>& warnings) {
     const Silhouette silhouette = find_silhouette(view.photo);
     for (const std::string& warning : silhouette.warnings)
       warnings.push_back(view.photo.name + ": " + warning);
-    return {silhouette.tree, silhouette.width, silhouette.height, silhouette.cover};
+    return {sharpened(silhouette), silhouette.width, silhouette.height, silhouette.cover};
   } catch (const SolverError& error) {
     throw SolverError(view.photo.name + ": " + error.what());
   }

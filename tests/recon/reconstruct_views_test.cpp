@@ -2,6 +2,7 @@
 #include "recon/reconstruct_views.h"
 
 #include "core/errors.h"
+#include "recon/image/scale.h"
 #include "tests/support/photo_render.h"
 
 #include <cmath>

@@ -16,7 +16,19 @@
 namespace dendrofit::test {
 namespace {
 
-using Colour = Eigen::Vector3f;  // 0..255
+using Colour = Eigen::Vector3f;  // grey levels, 0..255
+
+constexpr float kGamma = 2.2F;
+
+/// Light, 0..1, of grey levels: what mixes in a pixel and in a lens.
+Colour light_of(const Colour& grey) {
+  return (grey / 255).array().max(0.0F).pow(kGamma);
+}
+
+/// Grey levels of light.
+Colour grey_of(const Colour& light) {
+  return 255 * light.array().max(0.0F).pow(1 / kGamma);
+}
 
 /// Smooth noise in 0..1 on a lattice.
 double lattice(const Random& random, std::uint64_t layer, double x, double y) {
@@ -87,6 +99,7 @@ Colour bark(const Random& random, const Tree& tree, std::size_t i, const Vec3& a
   return static_cast<float>(std::clamp(light, 0.25, 1.0)) * Colour(118, 104, 94);
 }
 
+/// The picture's light as grey levels with a lens' blur and a sensor's grain.
 void blur_and_grain(std::vector<Colour>& picture, int width, int height, const RenderOptions& options,
                     const Random& random, std::vector<std::uint8_t>& rgb) {
   const float side =
@@ -109,7 +122,8 @@ void blur_and_grain(std::vector<Colour>& picture, int width, int height, const R
           const std::size_t up = y > 0 ? y - 1 : 0,
                             down = std::min(static_cast<std::size_t>(height) - 1, y + 1);
           for (std::size_t x = 0; x < w; ++x) {
-            const Colour c = middle * across[y * w + x] + wing * (across[up * w + x] + across[down * w + x]);
+            const Colour c =
+                grey_of(middle * across[y * w + x] + wing * (across[up * w + x] + across[down * w + x]));
             for (int k = 0; k < 3; ++k)
               rgb[3 * (y * w + x) + static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(
                   std::clamp(std::lround(c[k] + options.noise_sigma * grain.normal()), 0L, 255L));
@@ -170,14 +184,14 @@ View render_view(const Tree& tree, const Camera& camera, const RenderOptions& op
           if (hit.what != RayHit::What::wood) continue;
           ++covered;
           if (options.photograph)
-            wood += bark(random, tree, static_cast<std::size_t>(hit.id), eye + hit.range_m * ray);
+            wood += light_of(bark(random, tree, static_cast<std::size_t>(hit.id), eye + hit.range_m * ray));
         }
         photo.mask[y * w + x] = 2 * covered >= n * n ? 255 : 0;
         if (!options.photograph) continue;
         const Colour behind =
             covered == n * n
                 ? Colour(Colour::Zero())
-                : background(random, eye, camera.ray(corner + Eigen::Vector2d(0.5, 0.5)), ground);
+                : light_of(background(random, eye, camera.ray(corner + Eigen::Vector2d(0.5, 0.5)), ground));
         picture[y * w + x] =
             (wood + static_cast<float>(n * n - covered) * behind) / static_cast<float>(n * n);
       }

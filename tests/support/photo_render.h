@@ -19,7 +19,8 @@ struct RenderOptions {
   int threads = 0;
 };
 
-/// Sky, a distant treeline, grass and the tree; mask: pixels covered by half or more.
+/// Sky, a distant treeline, grass and the tree, their light mixed where they share a pixel; mask: pixels
+/// covered by half or more.
 View render_view(const Tree& tree, const Camera& camera, const RenderOptions& options = {});
 
 struct RingOptions {
