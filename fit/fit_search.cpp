@@ -37,16 +37,10 @@ int nearest_simulation(const Eigen::MatrixXd& simulations, const NoiseMetric& me
   return best;
 }
 
-/// Whether the tree tells so little of a coordinate that searching it would follow noise.
-bool untold(double deviation) {
-  return deviation > (1 - kSearchedShrinkage) * kUniform;
-}
-
 /// Points of the simulations of the prior that come nearest, of the equation and the known coordinates
-/// searched for; what the search holds is held in them, what the tree does not tell is the posterior's
-/// centre.
-UnitPoints nearest_draws(const FitProblem& problem, const PriorInformation& prior, const NoiseMetric& metric,
-                         const SearchBox& box) {
+/// searched for; what the search holds is held in them.
+UnitPoints nearest_draws(const FitProblem& problem, const PriorInformation& prior,
+                         const NoiseMetric& metric) {
   const PriorSimulations& s = prior.simulations;
   const auto& names = SearchSpace::equations();
   const auto equation = std::find(names.begin(), names.end(), problem.space.equation()) - names.begin();
@@ -65,8 +59,6 @@ UnitPoints nearest_draws(const FitProblem& problem, const PriorInformation& prio
   for (std::size_t k = 0; k < count; ++k) {
     points.emplace_back(s.unit.row(costs[k].second).transpose());
     for (const auto& [key, unit] : problem.options.held) points.back()[problem.space.row(key)] = unit;
-    for (Eigen::Index i = 0; i < box.deviation.size(); ++i)
-      if (std::isfinite(box.deviation[i]) && untold(box.deviation[i])) points.back()[i] = box.centre[i];
   }
   return points;
 }
@@ -109,7 +101,7 @@ SearchBox search_box(const FitProblem& problem, const PosteriorSample& posterior
     if (!posterior.is_prior) box.deviation[i] = std::max(kLeastDeviation, sd);
     const bool never = std::find(kNeverSearched.begin(), kNeverSearched.end(), key) != kNeverSearched.end();
     if (never) continue;
-    if (!posterior.is_prior && key != "size" && untold(sd)) continue;
+    if (!posterior.is_prior && key != "size" && sd > (1 - kSearchedShrinkage) * kUniform) continue;
     double from = 0, to = 1;
     if (!posterior.is_prior) {
       from = weighted_quantile(values, posterior.weights, 0.01);
@@ -151,7 +143,7 @@ Eigen::VectorXd best_start(const FitProblem& problem, const PriorInformation& pr
                            std::vector<Tried>& tried, TreeFit& fit, Progress& progress) {
   const auto left = static_cast<std::size_t>(std::max(0, problem.options.evaluations - fit.evaluations));
   UnitPoints starts = {box.elsewhere};
-  for (const Eigen::VectorXd& draw : nearest_draws(problem, prior, metric, box)) starts.push_back(draw);
+  for (const Eigen::VectorXd& draw : nearest_draws(problem, prior, metric)) starts.push_back(draw);
   starts.resize(std::min(starts.size(), left));
   if (starts.empty()) return box.elsewhere;
   progress.begin("choosing where to start", static_cast<double>(starts.size()), "sets");
