@@ -6,6 +6,7 @@
 #include "recon/pieces.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <sstream>
 
@@ -13,7 +14,7 @@ namespace dendrofit {
 namespace {
 
 Foot foot_of(const Piece& piece, const std::vector<Vec3>& points, const PointGraph& graph,
-             const std::vector<double>& height, const Ground& ground, double lowest) {
+             const std::vector<double>& height, const Ground& ground) {
   Foot foot;
   foot.slope = piece.slope;
   foot.diameter_m = piece.diameter;
@@ -22,7 +23,7 @@ Foot foot_of(const Piece& piece, const std::vector<Vec3>& points, const PointGra
   for (int attempt = 0; attempt < 6 && foot.points.size() < 8; ++attempt, ring *= 1.6) {
     foot.points.clear();
     for (std::uint32_t i = 0; i < points.size(); ++i)
-      if (height[i] < lowest + ring && (points[i].head<2>() - piece.at(points[i].z())).norm() <= reach)
+      if (height[i] < ring && (points[i].head<2>() - piece.at(points[i].z())).norm() <= reach)
         foot.points.push_back(i);
   }
   double z = 1e300;
@@ -59,18 +60,25 @@ std::vector<Foot> find_feet(const std::vector<Vec3>& points, const PointGraph& g
   constexpr double kThinShare = 0.025;  // thinner wood (share of the height) need not show that it is hollow
   constexpr double kSpan = 0.6;         // share of the slice's height that a stem must cover
   constexpr double kSteepest = 1.0;     // sideways a metre of height: a stem may lean 45 degrees
+  constexpr double kHighestGrass = 0.15;  // of the tree's height
   if (points.size() < 20)
     throw SolverError("too few points for a tree: " + std::to_string(points.size()) +
                       " are left after cleaning, at least 20 are needed; give the whole tree, in metres");
-  double top = 0, lowest = 1e300;
-  lowest = 0;  // strays below do not count
+  double top = 0;
   for (const double h : height) top = std::max(top, h);
   const double thickest = kThickestStem * top + 0.1;
   double widest_seen = 0;
   std::size_t upright = 0, filled = 0;
-  for (const double share : {0.12, 0.2, 0.07}) {
-    const double slice = std::clamp(share * (top - lowest), 0.15, 1.6);
-    std::vector<Piece> pieces = pieces_between(points, graph, height, lowest, lowest + slice);
+  // Grass and herbs tie all that stands in them into one piece: over ground, stems are looked for above them
+  // too.
+  std::vector<std::array<double, 2>> slices = {
+      {0, 0.12}, {0, 0.2}, {0, 0.07}};  // begin in m, share of height
+  if (ground.present)
+    for (const double begin : {0.15, 0.3, 0.5, 0.75})
+      if (begin < kHighestGrass * top) slices.push_back({begin, 0.12});
+  for (const auto& [begin, share] : slices) {
+    const double slice = std::clamp(share * top, 0.15, 1.6);
+    std::vector<Piece> pieces = pieces_between(points, graph, height, begin, begin + slice);
     std::vector<const Piece*> stems;
     for (const Piece& piece : pieces) {
       widest_seen = std::max(widest_seen, piece.diameter);
@@ -92,15 +100,15 @@ std::vector<Foot> find_feet(const std::vector<Vec3>& points, const PointGraph& g
                      [&](const Piece* a, const Piece* b) { return support(a) > support(b); });
     std::vector<Foot> feet;
     for (const Piece* stem : stems) {
-      Foot foot = foot_of(*stem, points, graph, height, ground, lowest);
+      Foot foot = foot_of(*stem, points, graph, height, ground);
       if (!foot.points.empty()) feet.push_back(std::move(foot));
     }
     if (!feet.empty()) return feet;
   }
   std::ostringstream why;
   why.precision(2);
-  why << "no stem found: in the lowest " << std::fixed << std::clamp(0.12 * (top - lowest), 0.15, 1.6)
-      << " m of this " << top << " m tall scan ";
+  why << "no stem found: in the lowest " << std::fixed << std::clamp(0.12 * top, 0.15, 1.6) << " m of this "
+      << top << " m tall scan ";
   if (upright == 0)
     why << "nothing stands upright (loose clusters up to " << widest_seen << " m across)";
   else if (filled > 0)
@@ -134,10 +142,11 @@ void keep_points(CleanScan& scan, const std::vector<char>& keep, std::vector<Foo
 std::size_t close_low_vegetation(const std::vector<Vec3>& points, const PointGraph& graph,
                                  const std::vector<double>& height, const Ground& ground,
                                  const std::vector<Foot>& feet, std::vector<char>& open) {
-  if (!ground.present) return 0;
   double top = 0;
   for (const double h : height) top = std::max(top, h);
-  const double grass = std::min(0.5, 0.08 * top), shrubs = std::min(1.5, 0.2 * top);
+  const double shrubs = std::min(1.5, 0.2 * top);
+  // Without ground about it the tree was cut out of its scene: its boughs may hang low.
+  const double grass = ground.present ? std::min(0.5, 0.08 * top) : 0;
   std::size_t closed = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!open[i] || height[i] >= grass) continue;
@@ -153,6 +162,12 @@ std::size_t close_low_vegetation(const std::vector<Vec3>& points, const PointGra
   std::vector<char> wanted(parts.points.size(), 0);
   for (std::size_t i = 0; i < points.size(); ++i)
     if (open[i] && height[i] > shrubs) wanted[parts.part[i]] = 1;
+  if (!ground.present) {  // what does not stand on the tree's own level hangs
+    std::vector<char> on_ground(parts.points.size(), 0);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (open[i] && height[i] <= std::min(0.15, 0.03 * top)) on_ground[parts.part[i]] = 1;
+    for (std::size_t k = 0; k < wanted.size(); ++k) wanted[k] = wanted[k] || !on_ground[k];
+  }
   for (const Foot& f : feet)
     for (const std::uint32_t p : f.points)
       if (open[p]) wanted[parts.part[p]] = 1;

@@ -31,9 +31,9 @@ std::vector<Foot> find_feet(const std::vector<Vec3>& points, const PointGraph& g
 /// Keeps the points with keep[i] != 0 in the scan, and the feet's points with their new numbers.
 void keep_points(CleanScan& scan, const std::vector<char>& keep, std::vector<Foot>& feet);
 
-/// Closes (open[i] = 0) the grass, herbs and shrubs about the stems of a scan with ground: what lies within
-/// half a metre of the ground away from a stem, and parts that end below 1.5 m and touch no stem. Returns how
-/// many points.
+/// Closes (open[i] = 0) the grass, herbs, shrubs and fences about the stems: in a scan with ground what lies
+/// within half a metre of it away from a stem, and parts that end below 1.5 m and touch no stem; in a scan
+/// without ground such parts only where they reach down to the foot's level. Returns how many points.
 std::size_t close_low_vegetation(const std::vector<Vec3>& points, const PointGraph& graph,
                                  const std::vector<double>& height, const Ground& ground,
                                  const std::vector<Foot>& feet, std::vector<char>& open);

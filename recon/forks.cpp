@@ -7,27 +7,6 @@
 namespace dendrofit {
 namespace {
 
-/// A place on a limb's line.
-struct Place {
-  std::size_t node = 0;
-  double distance = 1e300;  // of the asking point from the line there
-  double radius = 0;
-};
-
-Place nearest_place(const Limb& limb, const Vec3& point, std::size_t first, std::size_t last) {
-  Place best;
-  for (std::size_t i = first; i <= last; ++i) {
-    const LimbNode& a = limb.nodes[i];
-    const LimbNode& b = limb.nodes[std::min(i + 1, limb.nodes.size() - 1)];
-    const Vec3 run = b.centre - a.centre;
-    const double square = run.squaredNorm();
-    const double t = square > 0 ? std::clamp((point - a.centre).dot(run) / square, 0.0, 1.0) : 0;
-    const double distance = (a.centre + t * run - point).norm();
-    if (distance < best.distance) best = {i, distance, (1 - t) * a.rough_radius_m + t * b.rough_radius_m};
-  }
-  return best;
-}
-
 /// Direction of a limb's first clear stretch.
 Vec3 first_direction(const Limb& limb, double stretch) {
   const Vec3& base = limb.nodes.front().centre;
@@ -61,12 +40,12 @@ void lead_limbs_back(const std::vector<Vec3>& points, std::vector<Limb>& limbs, 
     while (first > 0 && bearer.nodes[fork].along_m - bearer.nodes[first - 1].along_m <= farthest) --first;
     const std::size_t last = std::min(fork + 1, bearer.nodes.size() - 1);
 
-    Place best = nearest_place(bearer, base.centre, first, last);
+    LimbPlace best = nearest_place(bearer, base.centre, first, last);
     double best_back = 0;
     for (double back = kStep; back <= farthest; back += kStep) {
-      if (best.distance <= best.radius) break;
-      const Place place = nearest_place(bearer, base.centre - back * direction, first, last);
-      if (place.distance - place.radius < best.distance - best.radius) {
+      if (best.distance_m <= best.radius_m) break;
+      const LimbPlace place = nearest_place(bearer, base.centre - back * direction, first, last);
+      if (place.distance_m - place.radius_m < best.distance_m - best.radius_m) {
         best = place;
         best_back = back;
       }
@@ -87,10 +66,10 @@ void lead_limbs_back(const std::vector<Vec3>& points, std::vector<Limb>& limbs, 
         for (const std::uint32_t p : pool) {
           const double along = (points[p] - fresh.front().centre).dot(direction);
           const double off = (points[p] - fresh.front().centre - along * direction).norm();
-          const Place own = nearest_place(bearer, points[p], first, last);
+          const LimbPlace own = nearest_place(bearer, points[p], first, last);
           const bool goes = along >= 0 && along <= best_back && off <= reach &&
-                            own.distance > 0.8 * own.radius &&
-                            std::abs(off - thickness) < std::abs(own.distance - own.radius);
+                            own.distance_m > 0.8 * own.radius_m &&
+                            std::abs(off - thickness) < std::abs(own.distance_m - own.radius_m);
           if (goes) {
             const auto k = static_cast<std::size_t>(along / best_back * static_cast<double>(count));
             fresh[std::min(k, count - 1)].points.push_back(p);

@@ -13,6 +13,7 @@
 #include "recon/radii.h"
 #include "recon/scan_intervals.h"
 #include "recon/sections.h"
+#include "recon/side_shoots.h"
 #include "recon/skeleton.h"
 #include "recon/stems.h"
 
@@ -188,7 +189,6 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
 
   std::vector<Section> sections = cut_sections(scan.points, graph, paths, tree_feet, progress);
   clock.mark("sections");
-  if (getenv("DUMP")) { FILE* f = fopen(getenv("DUMP"), "w"); for (size_t i = 0; i < sections.size(); ++i) { auto& q = sections[i]; fprintf(f, "%zu %d %.4f %.4f %.4f %.4f %.4f %zu %.3f %d %.3f %.3f %.3f\n", i, q.parent, q.centre.x()+scan.origin_shift.x(), q.centre.y()+scan.origin_shift.y(), q.centre.z()+scan.origin_shift.z(), q.radius_m, q.extent_m, q.points.size(), q.coasted_m, int(q.after_gap), q.direction.x(), q.direction.y(), q.direction.z()); } fclose(f); }
 
   const std::vector<Bridge> mended =
       mend_cut_branches(scan.points, sections, graph.typical_spacing_m, options.max_gap_m);
@@ -201,8 +201,8 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   result.stray_points = unreached + scan.points.size() - paths.order.size();
   clock.mark("mending");
 
-  std::vector<Limb> limbs = make_limbs(scan.points, sections, graph.typical_spacing_m,
-                                       SkeletonOptions{.shortest_limb_m = options.shortest_limb_m});
+  const SkeletonOptions skeleton_options{.shortest_limb_m = options.shortest_limb_m};
+  std::vector<Limb> limbs = make_limbs(scan.points, sections, graph.typical_spacing_m, skeleton_options);
   clock.mark("skeleton");
 
   const RadiusOptions radius_options{.twig_diameter_m = options.twig_diameter_m};
@@ -213,8 +213,13 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   seeing.noise_m = scan_noise(limbs, sights, seeing.noise_m, radius_options);
   centre_limbs(limbs, sights, seeing);
   result.scan_shifts = align_scans(scan.points, scan.source, limbs, seeing.noise_m);
+  divide_long_stretches(scan.points, limbs, graph.typical_spacing_m);
   lead_limbs_back(scan.points, limbs, graph.typical_spacing_m);
+  hand_over_points(scan.points, graph, limbs, seeing.noise_m);
+  grow_side_shoots(scan.points, graph, paths, limbs, seeing.noise_m, skeleton_options);
   centre_limbs(limbs, look_at_limbs(scan.points, limbs, seeing, progress), seeing);
+  const std::vector<char> changed = hand_over_points(scan.points, graph, limbs, seeing.noise_m);
+  centre_limbs(limbs, look_at_some_limbs(scan.points, limbs, changed, seeing, progress), seeing);
   progress.end();
   clock.mark("centre lines");
 

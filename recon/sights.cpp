@@ -47,6 +47,7 @@ void look(const std::vector<Vec3>& points, const Limb& limb, std::size_t node, d
 
 Spread spread_of(const std::vector<Eigen::Vector2d>& flat, std::vector<double>& scratch) {
   constexpr double kFarthest = 6;  // medians of the squared distance; noise alone leaves 2 % beyond
+  constexpr double kMiddle = 3;    // a twig's base pulls the middle from nearer
   Spread spread;
   if (flat.size() < kFewestPoints) return spread;
   double limit = 1e300;
@@ -70,7 +71,7 @@ Spread spread_of(const std::vector<Eigen::Vector2d>& flat, std::vector<double>& 
     for (const auto& p : flat) scratch.push_back((p - spread.middle).squaredNorm());
     const auto half = scratch.begin() + static_cast<std::ptrdiff_t>(scratch.size() / 2);
     std::nth_element(scratch.begin(), half, scratch.end());
-    limit = kFarthest * *half;
+    limit = (pass < 2 ? kMiddle : kFarthest) * *half;
   }
   const auto n = static_cast<double>(spread.count);
   spread.square *= n / (n - 1);
@@ -84,8 +85,8 @@ CircleFit sound_circle(const View& view, const LimbNode& node, double apparent, 
   if (!fit.ok || fit.radius > 2.5 * std::max(apparent, node.rough_radius_m)) return {};
   fit = robust_circle(view.flat, fit, noise);
   const bool sound = fit.ok && fit.coverage >= 0.3 && fit.radius > 2.5 * noise &&
-                     fit.rms < 0.5 * fit.radius && 2 * fit.inliers >= view.flat.size() &&
-                     fit.radius < 2.2 * node.rough_radius_m + noise;
+                     fit.rms < std::max(1.5 * noise, 0.3 * fit.radius) &&
+                     2 * fit.inliers >= view.flat.size() && fit.radius < 2.2 * node.rough_radius_m + noise;
   return sound ? fit : CircleFit{};
 }
 
@@ -93,12 +94,18 @@ CircleFit sound_circle(const View& view, const LimbNode& node, double apparent, 
 
 Sights look_at_limbs(const std::vector<Vec3>& points, const std::vector<Limb>& limbs,
                      const SightOptions& options, Progress& progress) {
+  return look_at_some_limbs(points, limbs, std::vector<char>(limbs.size(), 1), options, progress);
+}
+
+Sights look_at_some_limbs(const std::vector<Vec3>& points, const std::vector<Limb>& limbs,
+                          const std::vector<char>& wanted, const SightOptions& options, Progress& progress) {
   Sights sights(limbs.size());
   parallel_blocks(limbs.size(), 64, options.threads, [&](std::size_t first, std::size_t last) {
     progress.check();
     View view;
     std::vector<double> scratch;
     for (std::size_t l = first; l < last; ++l) {
+      if (!wanted[l]) continue;
       const Limb& limb = limbs[l];
       sights[l].assign(limb.nodes.size(), {});
       for (std::size_t i = 0; i < limb.nodes.size(); ++i) {
@@ -136,6 +143,7 @@ Sights look_at_limbs(const std::vector<Vec3>& points, const std::vector<Limb>& l
 void centre_limbs(std::vector<Limb>& limbs, const Sights& sights, const SightOptions& options) {
   std::vector<Vec3> next;
   for (std::size_t l = 0; l < limbs.size(); ++l) {
+    if (sights[l].empty()) continue;
     Limb& limb = limbs[l];
     const std::size_t n = limb.nodes.size();
     next.resize(n);

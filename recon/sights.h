@@ -39,8 +39,13 @@ struct SightOptions {
 Sights look_at_limbs(const std::vector<Vec3>& points, const std::vector<Limb>& limbs,
                      const SightOptions& options, Progress& = no_progress());
 
+/// The same at the limbs with wanted[l] != 0 alone; the others have no sights.
+Sights look_at_some_limbs(const std::vector<Vec3>& points, const std::vector<Limb>& limbs,
+                          const std::vector<char>& wanted, const SightOptions& options,
+                          Progress& = no_progress());
+
 /// Moves the centre lines to what was seen, evening them with weights by how sure each place is, and takes
-/// the rough radii from there. Tips stay.
+/// the rough radii from there. Tips and limbs without sights stay.
 void centre_limbs(std::vector<Limb>& limbs, const Sights& sights, const SightOptions& options);
 
 }  // namespace dendrofit

@@ -109,6 +109,22 @@ void SkeletonOptions::validate() const {
           shortest_limb_m, "must lie between 0 and 5 m");
 }
 
+LimbPlace nearest_place(const Limb& limb, const Vec3& point, std::size_t first, std::size_t last) {
+  LimbPlace best;
+  for (std::size_t i = first; i <= last; ++i) {
+    const LimbNode& a = limb.nodes[i];
+    const LimbNode& b = limb.nodes[std::min(i + 1, limb.nodes.size() - 1)];
+    const Vec3 run = b.centre - a.centre;
+    const double square = run.squaredNorm();
+    const double t = square > 0 ? std::clamp((point - a.centre).dot(run) / square, 0.0, 1.0) : 0;
+    const double distance = (a.centre + t * run - point).norm();
+    if (distance < best.distance_m)
+      best = {i, (1 - t) * a.along_m + t * b.along_m, distance,
+              (1 - t) * a.rough_radius_m + t * b.rough_radius_m};
+  }
+  return best;
+}
+
 Vec3 direction_at(const Limb& limb, std::size_t node) {
   const std::size_t n = limb.nodes.size();
   const std::size_t a = node > 0 ? node - 1 : 0, b = node + 1 < n ? node + 1 : n - 1;
@@ -132,6 +148,51 @@ void measure_lengths(std::vector<Limb>& limbs) {
   }
   for (std::size_t l = limbs.size(); l-- > 0;)
     if (limbs[l].parent >= 0) limbs[static_cast<std::size_t>(limbs[l].parent)].beyond_m += limbs[l].beyond_m;
+}
+
+void divide_long_stretches(const std::vector<Vec3>& points, std::vector<Limb>& limbs, double spacing_m) {
+  const double step = std::max(0.02, 1.3 * spacing_m);
+  constexpr double kRadii = 1.5;  // thick wood needs no shorter ones
+  std::vector<std::vector<std::int32_t>> moved(limbs.size());
+  for (std::size_t l = 0; l < limbs.size(); ++l) {
+    Limb& limb = limbs[l];
+    if (limb.parent >= 0)
+      limb.parent_node =
+          moved[static_cast<std::size_t>(limb.parent)][static_cast<std::size_t>(limb.parent_node)];
+    std::vector<LimbNode> nodes;
+    for (std::size_t i = 0; i < limb.nodes.size(); ++i) {
+      if (i > 0 && !limb.nodes[i].after_gap) {
+        const LimbNode &a = limb.nodes[i - 1], &b = limb.nodes[i];
+        const double length = (b.centre - a.centre).norm();
+        const auto pieces = std::llround(length / std::max(step, kRadii * b.rough_radius_m));
+        for (long long k = 1; k < pieces; ++k) {
+          const double t = static_cast<double>(k) / static_cast<double>(pieces);
+          LimbNode between;
+          between.centre = (1 - t) * a.centre + t * b.centre;
+          between.rough_radius_m = (1 - t) * a.rough_radius_m + t * b.rough_radius_m;
+          nodes.push_back(std::move(between));
+        }
+      }
+      moved[l].push_back(static_cast<std::int32_t>(nodes.size()));
+      nodes.push_back(limb.nodes[i]);
+    }
+    if (nodes.size() == limb.nodes.size()) continue;
+    for (LimbNode& node : nodes) node.points.clear();
+    for (std::size_t i = 0; i < limb.nodes.size(); ++i) {
+      const auto at = static_cast<std::size_t>(moved[l][i]);
+      const std::size_t first = i > 0 ? static_cast<std::size_t>(moved[l][i - 1]) : at;
+      const std::size_t last = i + 1 < limb.nodes.size() ? static_cast<std::size_t>(moved[l][i + 1]) : at;
+      for (const std::uint32_t p : limb.nodes[i].points) {
+        std::size_t nearest = at;
+        for (std::size_t k = first; k <= last; ++k)
+          if ((nodes[k].centre - points[p]).squaredNorm() < (nodes[nearest].centre - points[p]).squaredNorm())
+            nearest = k;
+        nodes[nearest].points.push_back(p);
+      }
+    }
+    limb.nodes = std::move(nodes);
+  }
+  measure_lengths(limbs);
 }
 
 std::vector<Limb> make_limbs(const std::vector<Vec3>& points, const std::vector<Section>& sections,

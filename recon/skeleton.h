@@ -48,8 +48,23 @@ std::vector<Limb> make_limbs(const std::vector<Vec3>& points, const std::vector<
 /// Evens every centre line; ends stay where they are, so nothing is shortened.
 void smooth_limbs(std::vector<Limb>& limbs);
 
+/// Sets nodes between those of thin wood that lie far apart, so that its line can follow bends as closely as
+/// the points' spacing allows; the points go to the nodes next to them.
+void divide_long_stretches(const std::vector<Vec3>& points, std::vector<Limb>& limbs, double spacing_m);
+
 /// Recomputes along_m of every node and beyond_m of every limb.
 void measure_lengths(std::vector<Limb>& limbs);
+
+/// Where a limb's line passes a point.
+struct LimbPlace {
+  std::size_t node = 0;       ///< from which the nearest stretch starts
+  double along_m = 0;         ///< from the limb's first node
+  double distance_m = 1e300;  ///< of the point from the line
+  double radius_m = 0;        ///< rough, there
+};
+
+/// The place nearest to a point on the stretches that start at the nodes `first` to `last`.
+LimbPlace nearest_place(const Limb& limb, const Vec3& point, std::size_t first, std::size_t last);
 
 /// Unit direction of the centre line at a node.
 Vec3 direction_at(const Limb& limb, std::size_t node);

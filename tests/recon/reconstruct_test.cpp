@@ -5,6 +5,8 @@
 #include "core/tree_topology.h"
 #include "tests/recon/hand_made_clouds.h"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 
@@ -71,6 +73,61 @@ TEST(Reconstruct, a_small_tree_has_its_branches_where_they_are) {
     EXPECT_TRUE(std::abs(z - 1.5) < 0.06 || std::abs(z - 1.9) < 0.06) << z;
   }
   EXPECT_EQ(first_order, 2);
+}
+
+TEST(Reconstruct, a_crooked_branch_and_its_spurs_are_followed_closely) {
+  PointCloud cloud;
+  test::add_wood(cloud, {0, 0, 0}, {0, 0, 2}, 0.04, 0.02, 0.012, 0.001);
+  const std::array<Vec3, 5> bends = {Vec3(0.02, 0, 1.2), Vec3(0.15, 0, 1.3), Vec3(0.22, 0.1, 1.3),
+                                     Vec3(0.35, 0.1, 1.42), Vec3(0.5, 0.02, 1.42)};
+  for (std::size_t i = 0; i + 1 < bends.size(); ++i)
+    test::add_wood(cloud, bends[i], bends[i + 1], 0.008, 0.008, 0.012, 0.001);
+  test::add_wood(cloud, {0.42, 0.07, 1.43}, {0.42, 0.07, 1.47}, 0.003, 0.002, 0.012, 0.001);
+  const Reconstruction r = reconstruct(cloud);
+  std::size_t far = 0;
+  for (const Vec3& p : cloud.points) {
+    double nearest = 1e300;
+    for (std::size_t i = 0; i < r.tree.size(); ++i) {
+      const Vec3 start = r.tree.start[i] + r.tree.origin_shift, run = r.tree.end[i] - r.tree.start[i];
+      const double t = std::clamp((p - start).dot(run) / run.squaredNorm(), 0.0, 1.0);
+      nearest = std::min(nearest, std::abs((start + t * run - p).norm() - r.tree.radius[i]));
+    }
+    far += nearest > 0.01;
+  }
+  EXPECT_LT(static_cast<double>(far), 0.01 * static_cast<double>(cloud.size())) << far;
+}
+
+TEST(Reconstruct, a_stem_that_stands_in_grass_is_found_above_it) {
+  PointCloud cloud = test::small_tree();
+  Random random(3);
+  for (int i = 0; i < 40; ++i)
+    for (int k = 0; k < 40; ++k)
+      cloud.points.emplace_back(-1 + 0.05 * i, -1 + 0.05 * k, 0.01 * random.normal());
+  for (int i = 0; i < 4000; ++i) {  // blades, dense enough to be one piece with the stem
+    const Vec3 foot(2 * random.uniform() - 1, 2 * random.uniform() - 1, 0);
+    const double length = 0.1 + 0.1 * random.uniform();
+    for (double z = 0.02; z < length; z += 0.02) cloud.points.push_back(foot + Vec3(0.2 * z, 0, z));
+  }
+  const Reconstruction r = reconstruct(cloud);
+  EXPECT_TRUE(r.ground_found);
+  EXPECT_NEAR(r.foot.x(), 0, 0.03);
+  EXPECT_NEAR(r.foot.y(), 0, 0.03);
+  EXPECT_NEAR(r.metrics.dbh_m.value_or(0), 0.1 - 0.08 * 1.3 / 3, 0.006);
+  EXPECT_NEAR(r.metrics.height_m, 3, 0.2);
+  const Reconstruction bare = reconstruct(test::small_tree());
+  EXPECT_NEAR(r.metrics.branch_volume_m3, bare.metrics.branch_volume_m3,
+              0.15 * bare.metrics.branch_volume_m3);
+}
+
+TEST(Reconstruct, a_fence_beside_a_tree_without_ground_is_no_branch) {
+  const Reconstruction bare = reconstruct(test::small_tree());
+  PointCloud cloud = test::small_tree();
+  for (const double y : {-0.6, 0.0, 0.6})
+    test::add_wood(cloud, {0.3, y, 0}, {0.3, y, 0.5}, 0.02, 0.02, 0.008);
+  for (const double z : {0.2, 0.4}) test::add_wood(cloud, {0.3, -0.6, z}, {0.3, 0.6, z}, 0.015, 0.015, 0.008);
+  const Reconstruction r = reconstruct(cloud);
+  EXPECT_NEAR(r.metrics.total_volume_m3, bare.metrics.total_volume_m3, 0.02 * bare.metrics.total_volume_m3);
+  EXPECT_NEAR(r.metrics.total_length_m, bare.metrics.total_length_m, 0.05 * bare.metrics.total_length_m);
 }
 
 TEST(Reconstruct, a_y_becomes_two_arms_and_the_thicker_goes_on) {
