@@ -41,22 +41,32 @@ Piece describe_piece(std::vector<std::uint32_t> members, const std::vector<Vec3>
   return piece;
 }
 
+namespace {
+
+/// Closes the open points connected with `seed` and puts them into `members`.
+void take_connected(const PointGraph& graph, std::uint32_t seed, std::vector<char>& open,
+                    std::vector<std::uint32_t>& members) {
+  members.assign(1, seed);
+  open[seed] = 0;
+  for (std::size_t m = 0; m < members.size(); ++m)
+    for (const std::uint32_t v : graph.of(members[m]))
+      if (open[v]) {
+        open[v] = 0;
+        members.push_back(v);
+      }
+}
+
+}  // namespace
+
 std::vector<Piece> pieces_between(const std::vector<Vec3>& points, const PointGraph& graph,
                                   const std::vector<double>& height, double low, double high) {
   std::vector<Piece> pieces;
   std::vector<char> open(points.size(), 0);
   for (std::size_t i = 0; i < points.size(); ++i) open[i] = height[i] >= low && height[i] < high;
   std::vector<std::uint32_t> members;
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
     if (!open[i]) continue;
-    members.assign(1, static_cast<std::uint32_t>(i));
-    open[i] = 0;
-    for (std::size_t m = 0; m < members.size(); ++m)
-      for (const std::uint32_t v : graph.of(members[m]))
-        if (open[v]) {
-          open[v] = 0;
-          members.push_back(v);
-        }
+    take_connected(graph, i, open, members);
     if (members.size() >= 6) pieces.push_back(describe_piece(members, points, height));
   }
   return pieces;
@@ -83,22 +93,14 @@ bool looks_like_wood(const Piece& piece, const std::vector<Vec3>& points, const 
     for (const std::uint32_t i : all) open[i] = 1;
     for (const std::uint32_t seed : all) {
       if (!open[seed]) continue;
-      members.assign(1, seed);
-      open[seed] = 0;
-      for (std::size_t m = 0; m < members.size(); ++m)
-        for (const std::uint32_t v : graph.of(members[m]))
-          if (open[v]) {
-            open[v] = 0;
-            members.push_back(v);
-          }
-      if (members.size() < 6) continue;
+      take_connected(graph, seed, open, members);
+      if (members.size() < 6 || members.size() <= most) continue;  // a level's largest cluster speaks for it
+      most = members.size();
       const Piece part = describe_piece(members, points, height);
       flat.clear();
       for (const std::uint32_t i : members)
         flat.push_back(points[i].head<2>() - part.middle - part.slope * (points[i].z() - part.middle_z));
       const CircleFit fit = algebraic_circle(flat);
-      if (members.size() <= most) continue;  // the level's largest cluster speaks for it
-      most = members.size();
       found =
           part.diameter <= thin || (fit.ok && fit.rms < kHollow * fit.radius && fit.radius < piece.diameter);
     }

@@ -158,10 +158,12 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
     tree_feet = std::move(kept.stool);
     for (const Foot& foot : kept.other_trees) result.other_trees.push_back(scan.origin_shift + foot.position);
     result.other_points = kept.other_points;
-    keep_points(scan, open, tree_feet);
-    graph = neighbor_graph(scan.points, graph_options, progress);
-    open.assign(scan.points.size(), 1);
-    bridges = bridge_gaps(scan.points, graph, connected_parts(graph, open), graph_options, progress);
+    if (kept.other_points > 0) {
+      keep_points(scan, open, tree_feet);
+      graph = neighbor_graph(scan.points, graph_options, progress);
+      open.assign(scan.points.size(), 1);
+      bridges = bridge_gaps(scan.points, graph, connected_parts(graph, open), graph_options, progress);
+    }
     clock.mark("other trees");
   }
   result.foot = scan.origin_shift + tree_feet.front().position;

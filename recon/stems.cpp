@@ -168,6 +168,7 @@ KeptTree keep_tree(const std::vector<Vec3>& points, const PointGraph& graph,
     own.high = std::max(own.high, points[p].z());
   }
   const auto groups = group_stems(stems, territory);
+  if (groups.empty()) throw SolverError("no wood could be followed from the stem's foot upwards");
   std::vector<std::size_t> count(groups.size(), 0);
   for (std::size_t g = 0; g < groups.size(); ++g)
     for (const std::size_t i : groups[g]) count[g] += territory[i].points;
