@@ -58,6 +58,7 @@ class Fit : public Command {
     need_output(output_);
     const fs::path input = inputs_.empty() ? fs::path() : tree_file(inputs_.front());
     photo_.check(input);
+    if (photo_.asked_for(input)) reconstruct_.check_for_photographs();
     FitOptions options = fit_.resolve(session);
     if (inputs_.size() > 1) return run_several(session, options);
     std::optional<Tree> model;

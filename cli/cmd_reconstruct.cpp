@@ -35,7 +35,10 @@ class Reconstruct : public Command {
     check_mesh_formats(meshes_);
     photo_.check(scan_);
     const ReconstructOptions options = settings_.resolve(session.common());
-    if (photo_.asked_for(scan_)) return from_pictures(session, options);
+    if (photo_.asked_for(scan_)) {
+      settings_.check_for_photographs();
+      return from_pictures(session, options);
+    }
     const PointCloud scan = settings_.read_scan(session, scan_, session.progress());
     const auto folder = prepare_output_folder(output_, session.common());
     const Reconstruction result = reconstruct(scan, options, session.progress());

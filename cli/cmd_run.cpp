@@ -48,6 +48,7 @@ class Run : public Command {
   int run(Session& session) override {
     need_output(output_);
     photo_.check(scan_);
+    if (photo_.asked_for(scan_)) reconstruct_.check_for_photographs();
     reconstruct_.resolve(session.common());
     FitOptions fit_options = fit_.resolve(session);
     LeafOptions leaf_options = leaves_.resolve(session.common());

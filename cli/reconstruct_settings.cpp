@@ -71,6 +71,11 @@ ReconstructOptions ReconstructSettings::resolve(const CommonOptions& common) con
   return resolved;
 }
 
+void ReconstructSettings::check_for_photographs() const {
+  if (!tree_at.empty())
+    throw UsageError("--tree-at is for scans; in a photograph --root U,V or --mask names the tree");
+}
+
 std::string reconstruction_json(const Reconstruction& r) {
   Json others = Json::array();
   for (const Vec3& foot : r.other_trees) others.push_back({foot.x(), foot.y(), foot.z()});

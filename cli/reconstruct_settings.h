@@ -19,6 +19,8 @@ struct ReconstructSettings {
   void declare(OptionTable& table);
   PointCloud read_scan(const Session& session, const std::filesystem::path& file, Progress& progress) const;
   ReconstructOptions resolve(const CommonOptions& common) const;
+  /// Throws UsageError for an option that chooses within a scan.
+  void check_for_photographs() const;
 };
 
 /// qsm.csv, metrics.json (with the scan's coordinate system `crs`), reconstruction.json, tree meshes and, on

@@ -19,7 +19,7 @@ class PhotoCommand : public ::testing::Test {
   PhotoCommand() {
     write_png(folder / "photo.png", Image(300, 400, {210, 220, 235}));
     Image mask(300, 400, {0, 0, 0});
-    draw_line(mask, 150, 380, 150, 200, 20, {255, 255, 255});
+    fill_box(mask, 140, 200, 160, 390, {255, 255, 255});
     draw_line(mask, 150, 200, 70, 65, 10, {255, 255, 255});
     draw_line(mask, 150, 200, 230, 65, 10, {255, 255, 255});
     write_png(folder / "mask.png", mask);
@@ -54,9 +54,12 @@ TEST_F(PhotoCommand, works_without_a_scale_and_with_a_scale_bar) {
   ASSERT_EQ(
       test::run_program("reconstruct " + photo() + " --scale-bar 170,380,170,280,2m -o " + path("bar")).code,
       0);
-  // The round end below is a foot's near rim: 6.6 m from there, 6.4 m from its middle.
-  EXPECT_NEAR(json_of("bar/metrics.json").at("height_m").get<double>(), 6.5, 0.12);
+  // 330 pixels of 2 cm, but the lowest of them is the foot's near rim: it is 10 pixels of 0.72 * 400 nearer
+  // to the camera than the stem's middle, which is higher by that share of the 190 pixels below the horizon.
+  EXPECT_NEAR(json_of("bar/metrics.json").at("height_m").get<double>(),
+              0.02 * (330 - 190 * 10 / (0.72 * 400)), 0.03);
   EXPECT_EQ(test::run_program("fit " + photo() + " -o " + path("fit")).code, 4);
+  EXPECT_EQ(test::run_program("reconstruct " + photo() + " --tree-at 1,2 -o " + path("at")).code, 2);
 }
 
 TEST_F(PhotoCommand, says_what_is_wrong_by_its_exit_code) {
