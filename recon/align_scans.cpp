@@ -177,8 +177,8 @@ bool rounder_with(const std::vector<Vec3>& points, const std::vector<std::uint16
       several = several || scan_of[p] != scan_of[place.node->points.front()];
     }
     if (!several) continue;
-    const CircleFit before = robust_circle(as_stored, algebraic_circle(as_stored), noise);
-    const CircleFit after = robust_circle(moved, algebraic_circle(moved), noise);
+    const CircleFit before = robust_circle(as_stored, taubin_circle(as_stored), noise);
+    const CircleFit after = robust_circle(moved, taubin_circle(moved), noise);
     if (!before.ok || !after.ok || !(before.rms > 0) || !(after.rms > 0)) continue;
     const double gain = std::log(before.rms / after.rms);
     count += 1;
