@@ -2,7 +2,6 @@
 #include "recon/graph.h"
 
 #include "core/errors.h"
-#include "core/neighbors.h"
 #include "core/parallel.h"
 
 #include <algorithm>
@@ -38,7 +37,8 @@ PointGraph neighbor_graph(const std::vector<Vec3>& points, const GraphOptions& o
   graph.first.assign(n + 1, 0);
   if (n == 0) return graph;
   progress.begin("neighbours", static_cast<double>(n), "points");
-  const Neighbors index(points);
+  graph.index = std::make_shared<const Neighbors>(points);
+  const Neighbors& index = *graph.index;
   std::vector<std::uint32_t> nearest(n * k, Paths::kNone);
   parallel_blocks(n, 4096, options.threads, [&](std::size_t first, std::size_t last) {
     progress.check();
