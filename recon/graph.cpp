@@ -3,9 +3,9 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "recon/cheapest_first.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -14,43 +14,6 @@ namespace {
 
 constexpr float kSparsest = 2.0f;      // in usual spacings
 constexpr double kLinkSpacings = 3.0;  // a longer link would leap over a gap: bridge_gaps() judges those
-
-/// Points by rising cost, then index: a heap of four children each, cost and index in one number (the bits of
-/// a float that is not negative rise with it).
-class CheapestFirst {
- public:
-  bool empty() const { return heap_.empty(); }
-
-  void push(float cost, std::uint32_t point) {
-    const std::uint64_t key = std::uint64_t{std::bit_cast<std::uint32_t>(cost)} << 32 | point;
-    std::size_t at = heap_.size();
-    heap_.push_back(key);
-    for (; at > 0 && key < heap_[(at - 1) / 4]; at = (at - 1) / 4) heap_[at] = heap_[(at - 1) / 4];
-    heap_[at] = key;
-  }
-
-  std::uint32_t pop() {
-    const auto top = static_cast<std::uint32_t>(heap_.front());
-    const std::uint64_t last = heap_.back();
-    heap_.pop_back();
-    const std::size_t n = heap_.size();
-    if (n == 0) return top;
-    std::size_t at = 0;
-    for (std::size_t child = 1; child < n; child = 4 * at + 1) {
-      std::size_t least = child;
-      for (std::size_t c = child + 1; c < std::min(child + 4, n); ++c)
-        least = heap_[c] < heap_[least] ? c : least;
-      if (heap_[least] >= last) break;
-      heap_[at] = heap_[least];
-      at = least;
-    }
-    heap_[at] = last;
-    return top;
-  }
-
- private:
-  std::vector<std::uint64_t> heap_;
-};
 
 }  // namespace
 
@@ -167,15 +130,16 @@ Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
   Paths paths;
   paths.parent.assign(n, Paths::kNone);
   paths.length.assign(n, kFar);
-  /// What a step to or from a point needs, in one place.
-  struct Reached {
+  /// What a step to a point needs to know; all else is settled when its turn has come.
+  struct Offer {
     float cost = kFar;
-    Eigen::Vector3f heading = Eigen::Vector3f::Zero();
+    std::uint32_t from = Paths::kNone;
   };
   constexpr float kDone = -kFar;  // nothing is cheaper
-  std::vector<Reached> reached(n);
+  std::vector<Offer> best(n);
+  std::vector<Eigen::Vector3f> heading(n, Eigen::Vector3f::Zero());
   for (std::size_t i = 0; i < n; ++i)
-    if (!open[i]) reached[i].cost = kDone;
+    if (!open[i]) best[i].cost = kDone;
   std::vector<std::pair<std::uint32_t, std::pair<std::uint32_t, float>>> crossings;
   crossings.reserve(2 * bridges.size());
   for (const Bridge& b : bridges) {
@@ -194,20 +158,20 @@ Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
     return !gates.empty() && inside[v] != Paths::kNone && inside[u] != inside[v] && door[u] != inside[v];
   };
 
-  CheapestFirst queue;
+  CheapestFirst queue(scale / 16);
   for (const std::uint32_t s : sources) {
     paths.length[s] = 0;
     if (!open[s]) continue;
-    reached[s].cost = 0;
+    best[s].cost = 0;
     queue.push(0, s);
   }
-  struct From {
+  /// The point whose turn it is.
+  struct Here {
     std::uint32_t point;
-    float cost, length;
+    float cost, heading_length;
     Eigen::Vector3f heading;
-    float heading_length;
   };
-  const auto relax = [&](const From& u, std::uint32_t v, const Vec3& way, double c) {
+  const auto offer = [&](const Here& u, std::uint32_t v, const Vec3& way, double c) {
     const Eigen::Vector3f step = way.cast<float>();
     const float length = step.norm();
     if (u.heading_length > 0 && length > 0) {
@@ -215,21 +179,25 @@ Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
       c *= 1 + kTurnWeight * (1 - cosine);
     }
     const float total = u.cost + static_cast<float>(c) + (is_shut(u.point, v) ? kGatePrice : 0.0f);
-    if (!(total < reached[v].cost)) return;
-    reached[v].cost = total;
-    paths.parent[v] = u.point;
-    paths.length[v] = u.length + length;
-    const float keep = static_cast<float>(std::exp(-length / kMemory_m));
-    reached[v].heading = u.heading * keep + step;
+    if (!(total < best[v].cost)) return;
+    best[v] = {total, u.point};
     queue.push(total, v);
   };
   progress.begin("paths", static_cast<double>(n), "points");
   paths.order.reserve(n);
   while (!queue.empty()) {
     const std::uint32_t at = queue.pop();
-    if (reached[at].cost == kDone) continue;
-    const From u{at, reached[at].cost, paths.length[at], reached[at].heading, reached[at].heading.norm()};
-    reached[at].cost = kDone;
+    if (best[at].cost == kDone) continue;
+    if (const std::uint32_t from = best[at].from; from != Paths::kNone) {
+      const Eigen::Vector3f step = (points[at] - points[from]).cast<float>();
+      const float length = step.norm();
+      const float keep = static_cast<float>(std::exp(-length / kMemory_m));
+      paths.parent[at] = from;
+      paths.length[at] = paths.length[from] + length;
+      heading[at] = heading[from] * keep + step;
+    }
+    const Here u{at, best[at].cost, heading[at].norm(), heading[at]};
+    best[at].cost = kDone;
     paths.order.push_back(at);
     if (paths.order.size() % 65536 == 0) {
       progress.check();
@@ -238,17 +206,17 @@ Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
     for (const std::uint32_t v : graph.of(at)) {
       // Most steps lead nowhere new, straight on though they were.
       constexpr float kLeast = 0.999f;  // of a step's cost, whatever rounding does
-      const float spare = reached[v].cost - u.cost;
+      const float spare = best[v].cost - u.cost;
       if (!(spare > 0)) continue;
       const Vec3 way = points[v] - points[at];
       const double length = way.norm();
-      if (kLeast * static_cast<float>(length) < spare) relax(u, v, way, step_cost(length, scale));
+      if (kLeast * static_cast<float>(length) < spare) offer(u, v, way, step_cost(length, scale));
     }
     auto it = std::lower_bound(crossings.begin(), crossings.end(), at,
                                [](const auto& e, std::uint32_t value) { return e.first < value; });
     for (; it != crossings.end() && it->first == at; ++it)
-      if (const std::uint32_t v = it->second.first; reached[v].cost != kDone)
-        relax(u, v, points[v] - points[at], it->second.second);
+      if (const std::uint32_t v = it->second.first; best[v].cost != kDone)
+        offer(u, v, points[v] - points[at], it->second.second);
   }
   progress.end();
   return paths;
