@@ -79,7 +79,7 @@ Spread spread_of(const std::vector<Eigen::Vector2d>& flat) {
     for (std::size_t i = 0; i < flat.size(); ++i) square[i] = (flat[i] - spread.middle).squaredNorm();
   };
   set_squares();
-  double limit = 1e300;
+  double limit = 1e300, half = 0;
   for (int pass = 0; pass < 4; ++pass) {
     Eigen::Vector2d sum(0, 0);
     std::size_t count = 0;
@@ -94,10 +94,14 @@ Spread spread_of(const std::vector<Eigen::Vector2d>& flat) {
     spread.count = count;
     spread.square = squares / static_cast<double>(count);
     if (pass == 3) break;  // about the last pass's middle
-    spread.middle = sum / static_cast<double>(count);
-    set_squares();
-    order = square;
-    limit = (pass < 2 ? kMiddle : kFarthest) * kth_smallest(order, order.size() / 2);
+    const Eigen::Vector2d middle = sum / static_cast<double>(count);
+    if (pass == 0 || middle != spread.middle) {  // else the same points had a say as before
+      spread.middle = middle;
+      set_squares();
+      order = square;
+      half = kth_smallest(order, order.size() / 2);
+    }
+    limit = (pass < 2 ? kMiddle : kFarthest) * half;
   }
   const auto n = static_cast<double>(spread.count);
   spread.square *= n / (n - 1);
