@@ -68,6 +68,7 @@ PointGraph neighbor_graph(const std::vector<Vec3>& points, const GraphOptions& o
     for (std::size_t j = 0; j < k; ++j) hits += row[j] == sought;
     return hits > 0;
   };
+  std::vector<std::uint64_t> one_sided(n, 0);  // bit by bit: links that the other end does not name
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i * k; j < (i + 1) * k && nearest[j] != Paths::kNone; ++j) {
       const std::uint32_t v = nearest[j];
@@ -75,7 +76,10 @@ PointGraph neighbor_graph(const std::vector<Vec3>& points, const GraphOptions& o
           kLinkSpacings * std::clamp(std::min(graph.spacing[i], graph.spacing[v]), usual, kSparsest * usual);
       if ((points[i] - points[v]).squaredNorm() <= limit * limit) {
         ++graph.first[i + 1];
-        if (!names(v, i)) ++graph.first[v + 1];
+        if (!names(v, i)) {
+          ++graph.first[v + 1];
+          one_sided[i] |= std::uint64_t{1} << (j - i * k);
+        }
       } else {
         nearest[j] = static_cast<std::uint32_t>(i);
       }
@@ -87,7 +91,7 @@ PointGraph neighbor_graph(const std::vector<Vec3>& points, const GraphOptions& o
     for (std::size_t j = i * k; j < (i + 1) * k && nearest[j] != Paths::kNone; ++j) {
       if (nearest[j] == i) continue;
       graph.to[fill[i]++] = nearest[j];
-      if (!names(nearest[j], i)) graph.to[fill[nearest[j]]++] = static_cast<std::uint32_t>(i);
+      if (one_sided[i] >> (j - i * k) & 1) graph.to[fill[nearest[j]]++] = static_cast<std::uint32_t>(i);
     }
   progress.end();
   return graph;
