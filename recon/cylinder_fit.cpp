@@ -10,23 +10,77 @@
 #include <Eigen/Dense>
 
 namespace dendrofit {
+namespace {
+
+/// Points about a circle, column by column, so that roots and divisions are taken several at a time.
+struct Columns {
+  std::vector<double> px, py;         // the points
+  std::vector<double> x, y;           // direction outward from the circle's middle; none in the middle itself
+  std::vector<double> residual, off;  // distance from the circle, and its size
+  std::vector<double> weight;
+
+  void set(std::span<const Eigen::Vector2d> points) {
+    const std::size_t n = points.size();
+    for (std::vector<double>* column : {&px, &py, &x, &y, &residual, &off, &weight}) column->resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      px[i] = points[i].x();
+      py[i] = points[i].y();
+    }
+  }
+
+  void look_from(const CircleFit& circle) {
+    const double cx = circle.centre.x(), cy = circle.centre.y(), radius = circle.radius;
+    const std::size_t n = px.size();
+    const double* __restrict from_x = px.data(), * __restrict from_y = py.data();
+    double* __restrict to_x = x.data(), * __restrict to_y = y.data();
+    double* __restrict left = residual.data(), * __restrict size = off.data();
+    for (std::size_t i = 0; i < n; ++i) {
+      const double dx = from_x[i] - cx, dy = from_y[i] - cy;
+      const double distance = std::sqrt(dx * dx + dy * dy);
+      const double per = 1 / (distance > 0 ? distance : 1);
+      to_x[i] = dx * per;
+      to_y[i] = dy * per;
+      left[i] = distance - radius;
+      size[i] = std::abs(left[i]);
+    }
+  }
+
+  /// Tukey's weights for residuals of standard deviation `scale`.
+  void weigh(double scale) {
+    constexpr double kTukey = 4.685;
+    const double per_limit = 1 / (kTukey * scale);
+    const std::size_t n = px.size();
+    const double* __restrict from = residual.data();
+    double* __restrict to = weight.data();
+    for (std::size_t i = 0; i < n; ++i) {
+      const double u = from[i] * per_limit;
+      const double left = 1 - u * u;
+      to[i] = left > 0 ? left * left : 0;
+    }
+  }
+};
+
+}  // namespace
+
 CircleFit taubin_circle(std::span<const Eigen::Vector2d> points) {
   CircleFit fit;
   const auto n = static_cast<double>(points.size());
   if (points.size() < 4) return fit;
   Eigen::Vector2d mean(0, 0);
-  for (const auto& p : points) mean += p / n;
+  for (const auto& p : points) mean += p;
+  mean /= n;
   double xx = 0, yy = 0, xy = 0, xz = 0, yz = 0, zz = 0;
   for (const auto& p : points) {
     const Eigen::Vector2d d = p - mean;
     const double z = d.squaredNorm();
-    xx += d.x() * d.x() / n;
-    yy += d.y() * d.y() / n;
-    xy += d.x() * d.y() / n;
-    xz += d.x() * z / n;
-    yz += d.y() * z / n;
-    zz += z * z / n;
+    xx += d.x() * d.x();
+    yy += d.y() * d.y();
+    xy += d.x() * d.y();
+    xz += d.x() * z;
+    yz += d.y() * z;
+    zz += z * z;
   }
+  for (double* moment : {&xx, &yy, &xy, &xz, &yz, &zz}) *moment /= n;
   // Taubin's constraint leads to the smallest root of a cubic in eta, found by Newton's method from zero.
   const double z = xx + yy, cov = xx * yy - xy * xy;
   const double a3 = 4 * z, a2 = -3 * z * z - zz;
@@ -74,49 +128,36 @@ CircleFit algebraic_circle(std::span<const Eigen::Vector2d> points) {
 }
 
 CircleFit robust_circle(std::span<const Eigen::Vector2d> points, const CircleFit& start, double noise_m) {
-  constexpr double kTukey = 4.685;
   CircleFit fit = start;
   fit.ok = false;
   if (points.size() < 5 || !start.ok) return fit;
-  thread_local std::vector<double> distance, residual, sorted;
+  thread_local Columns columns;
+  columns.set(points);
   const std::size_t n = points.size();
-  distance.resize(n);
-  residual.resize(n);
-  sorted.resize(n);
+  const std::vector<double>&x = columns.x, &y = columns.y, &residual = columns.residual;
   Eigen::Matrix3d normal = Eigen::Matrix3d::Identity();
   double weighted = 0, weights = 0;
   for (int iteration = 0; iteration < 8; ++iteration) {
-    for (std::size_t i = 0; i < n; ++i) {
-      const double x = points[i].x() - fit.centre.x(), y = points[i].y() - fit.centre.y();
-      distance[i] = std::sqrt(x * x + y * y);
-      residual[i] = distance[i] - fit.radius;
-      sorted[i] = std::abs(residual[i]);
-    }
-    const double scale = kTukey * std::max(noise_m, 1.4826 * kth_smallest(sorted, n / 2));
-    double xx = 0, xy = 0, yx = 0, yy = 0, x1 = 0, y1 = 0;  // of the normal equations
+    columns.look_from(fit);
+    columns.weigh(std::max(noise_m, 1.4826 * kth_smallest(columns.off, n / 2)));
+    double xx = 0, xy = 0, yy = 0, x1 = 0, y1 = 0;  // of the normal equations
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
     weighted = weights = 0;
     fit.inliers = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      const double u = residual[i] / scale;
-      if (std::abs(u) >= 1 || distance[i] <= 0) continue;
-      const double w = (1 - u * u) * (1 - u * u);
-      const double x = -(points[i].x() - fit.centre.x()) / distance[i];
-      const double y = -(points[i].y() - fit.centre.y()) / distance[i];
-      const double wx = w * x, wy = w * y;
-      xx += wx * x;
-      xy += wx * y;
-      yx += wy * x;
-      yy += wy * y;
-      x1 -= wx;
-      y1 -= wy;
-      gradient += residual[i] * Eigen::Vector3d(wx, wy, -w);
-      weighted += w * residual[i] * residual[i];
+      const double w = columns.weight[i], wx = w * x[i], wy = w * y[i], off = w * residual[i];
+      xx += wx * x[i];
+      xy += wx * y[i];
+      yy += wy * y[i];
+      x1 += wx;
+      y1 += wy;
+      gradient -= off * Eigen::Vector3d(x[i], y[i], 1);
+      weighted += off * residual[i];
       weights += w;
-      ++fit.inliers;
+      fit.inliers += w > 0;
     }
     if (fit.inliers < 5) return fit;
-    normal << xx, xy, x1, yx, yy, y1, x1, y1, weights;
+    normal << xx, xy, x1, xy, yy, y1, x1, y1, weights;
     const Eigen::Vector3d change = normal.ldlt().solve(gradient);
     if (!change.allFinite()) return fit;
     fit.centre -= change.head<2>();
