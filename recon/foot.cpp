@@ -23,8 +23,7 @@ void complete_arc(Piece& piece, const std::vector<Vec3>& points, double spacing_
   for (const std::uint32_t p : piece.points) flat.push_back(points[p].head<2>() - piece.at(points[p].z()));
   const CircleFit start = algebraic_circle(flat);
   if (!start.ok || start.radius > kThickest * piece.diameter) return;
-  const CircleFit fit =
-      robust_circle(flat, start, std::max(0.25 * spacing_m, 0.03 * start.radius));
+  const CircleFit fit = robust_circle(flat, start, std::max(0.25 * spacing_m, 0.03 * start.radius));
   if (!fit.ok || fit.coverage < kArc || fit.coverage >= kAllRound || fit.rms > kScatter * fit.radius ||
       2 * fit.radius > kThickest * piece.diameter || 4 * fit.inliers < 3 * flat.size())
     return;

@@ -67,21 +67,23 @@ Square radius_squared(const Spread& spread, double noise, double seen) {
 
 /// The share of the radius squared that is left in thin twigs' spread about their own middle: 1 where wood is
 /// seen from all sides, 0.38 from one. The same stations see thick and thin wood, so it is that of circles
-/// thick enough to be fitted without bias, and no thicker than branches.
+/// thick enough to be fitted without bias, and no thicker than branches; but never more than thicker wood
+/// shows, which clusters of twigs taken for circles might.
 double seen_share(const std::vector<Limb>& limbs, const Sights& sights, double noise) {
   constexpr double kOneSide = 0.38;
   constexpr double kThinnest = 3.5, kThickest = 8;  // radii in noises
   constexpr std::size_t kFewest = 20;
-  std::vector<double> shares;
+  std::vector<double> branches, thicker;
   for (std::size_t l = 0; l < limbs.size(); ++l)
     for (const Sight& s : sights[l]) {
-      if (!s.circle.ok || s.spread.count == 0 || s.circle.radius < kThinnest * noise ||
-          s.circle.radius > kThickest * noise)
-        continue;
-      shares.push_back((s.spread.square - 2 * noise * noise) / std::pow(circle_radius(s.circle, noise), 2));
+      if (!s.circle.ok || s.spread.count == 0 || s.circle.radius < kThinnest * noise) continue;
+      (s.circle.radius > kThickest * noise ? thicker : branches)
+          .push_back((s.spread.square - 2 * noise * noise) / std::pow(circle_radius(s.circle, noise), 2));
     }
-  if (shares.size() < kFewest) return 1;
-  return std::clamp(median(shares), kOneSide, 1.0);
+  double share = 1;
+  for (const std::vector<double>* shares : {&branches, &thicker})
+    if (shares->size() >= kFewest) share = std::min(share, median(*shares));
+  return std::max(share, kOneSide);
 }
 
 /// The tree's own radius for a given wood length beyond: medians in classes of length (so that noise in
@@ -210,16 +212,18 @@ double Allometry::radius_at(double beyond_m) const {
 }
 
 /// Noise and footprint from the thinnest twigs, where nearly all spread is theirs; thick wood, where the
-/// scatter about the circles is range noise alone, bounds it.
+/// scatter about the circles is range noise alone, bounds it. In leaf, what twigs show beyond thick wood is
+/// the beams' width or the leaves left about them: half of it is taken for either.
 double scan_noise(const std::vector<Limb>& limbs, const Sights& sights, double fallback_m,
                   const RadiusOptions& options) {
   const NodeValues beyond = beyond_nodes(limbs);
   const double tip_radius = 0.5 * options.twig_diameter_m.value_or(kUsualTwigDiameter);
+  constexpr double kArc = 0.3;  // share of the girth: from one station no more than half is seen
   std::vector<double> twigs, stems;
   for (std::size_t l = 0; l < limbs.size(); ++l)
     for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i) {
       const Sight& s = sights[l][i];
-      if (s.circle.ok && s.circle.radius > 0.03 && s.circle.coverage > 0.5) stems.push_back(s.circle.rms);
+      if (s.circle.ok && s.circle.radius > 0.03 && s.circle.coverage > kArc) stems.push_back(s.circle.rms);
       if (s.spread.count > 0 && beyond[l][i] > 0.04 && beyond[l][i] < 0.4 && !s.circle.ok)
         twigs.push_back(s.spread.square);
     }
@@ -228,7 +232,11 @@ double scan_noise(const std::vector<Limb>& limbs, const Sights& sights, double f
     noise = std::sqrt(0.5 * std::max(0.0, median(twigs) - 1.5 * tip_radius * tip_radius));
   else if (stems.size() >= 10)
     noise = median(stems);
-  if (stems.size() >= 10) noise = std::min(noise, 1.7 * median(stems));
+  if (stems.size() >= 10) {
+    const double thick = median(stems);
+    noise = std::min(noise, 1.7 * thick);
+    if (options.in_leaf && noise > thick) noise = std::sqrt(0.5 * (noise * noise + thick * thick));
+  }
   return std::clamp(noise, 0.0005, 0.05);
 }
 
