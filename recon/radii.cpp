@@ -5,6 +5,7 @@
 #include "recon/taper.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -39,13 +40,43 @@ NodeValues beyond_nodes(const std::vector<Limb>& limbs) {
   return beyond;
 }
 
-/// The radius of the wood in a circle through noisy points. Noise across the beam leads them out of it, by
-/// half its variance over the radius on average; and beams that graze wood are recorded at their own middle,
-/// beside it, which adds about half as much again (1.5 times the first in median over the drawn trees'
-/// scans).
-double circle_radius(const CircleFit& circle, double noise) {
+constexpr double kThinnest = 3.5, kThickest = 8;  // branches whose circles tell of noise, radii in noises
+
+/// Radius of the scanner's beams where they meet wood; 0 where nothing tells. Of the beams that meet wood of
+/// radius R, w / (R + w) graze it and are recorded up to their radius w beside it, w^2 / 3 in mean square:
+/// circles' scatter grows towards thin wood by w^3 / 3 over the radius, where range noise alone stays the
+/// same.
+double beam_radius(const Sights& sights, double noise) {
+  constexpr std::size_t kFewest = 50;
+  constexpr double kBranch = 3 * kThickest;  // thicker stems are no circles to the millimetre
+  std::array<std::vector<double>, 2> square, curvature;
+  for (const auto& limb : sights)
+    for (const Sight& s : limb) {
+      if (!s.circle.ok || s.circle.radius < kThinnest * noise || s.circle.radius > kBranch * noise) continue;
+      const std::size_t k = s.circle.radius > kThickest * noise;
+      square[k].push_back(s.circle.rms * s.circle.rms);
+      curvature[k].push_back(1 / s.circle.radius);
+    }
+  if (std::min(square[0].size(), square[1].size()) < kFewest) return 0;
+  const double slope =
+      (median(square[0]) - median(square[1])) / (median(curvature[0]) - median(curvature[1]));
+  return std::cbrt(3 * std::max(0.0, slope));
+}
+
+/// By how much circles through noisy points are too wide, times twice their radius. Noise across the beam
+/// leads points out of the wood, by half its variance over the radius on average; and beams that graze wood
+/// are recorded at their own middle, beside it, which adds about half as much again (1.5 times the first in
+/// median over the drawn trees' scans). Beams far wider than the noise do so by up to half their radius
+/// squared.
+double swell_of(const Sights& sights, double noise) {
   constexpr double kGrazing = 1.5;
-  return circle.radius - kGrazing * noise * noise / (2 * circle.radius);
+  const double beam = beam_radius(sights, noise);
+  return std::max(kGrazing * noise * noise, beam * beam);
+}
+
+/// The radius of the wood in a circle through noisy points.
+double circle_radius(const CircleFit& circle, double swell) {
+  return circle.radius - swell / (2 * circle.radius);
 }
 
 /// What a thin twig's points tell of its radius squared. Their mean square distance from the axis is the
@@ -69,16 +100,15 @@ Square radius_squared(const Spread& spread, double noise, double seen) {
 /// seen from all sides, 0.38 from one. The same stations see thick and thin wood, so it is that of circles
 /// thick enough to be fitted without bias, and no thicker than branches; but never more than thicker wood
 /// shows, which clusters of twigs taken for circles might.
-double seen_share(const std::vector<Limb>& limbs, const Sights& sights, double noise) {
+double seen_share(const std::vector<Limb>& limbs, const Sights& sights, double noise, double swell) {
   constexpr double kOneSide = 0.38;
-  constexpr double kThinnest = 3.5, kThickest = 8;  // radii in noises
   constexpr std::size_t kFewest = 20;
   std::vector<double> branches, thicker;
   for (std::size_t l = 0; l < limbs.size(); ++l)
     for (const Sight& s : sights[l]) {
       if (!s.circle.ok || s.spread.count == 0 || s.circle.radius < kThinnest * noise) continue;
       (s.circle.radius > kThickest * noise ? thicker : branches)
-          .push_back((s.spread.square - 2 * noise * noise) / std::pow(circle_radius(s.circle, noise), 2));
+          .push_back((s.spread.square - 2 * noise * noise) / std::pow(circle_radius(s.circle, swell), 2));
     }
   double share = 1;
   for (const std::vector<double>* shares : {&branches, &thicker})
@@ -89,13 +119,13 @@ double seen_share(const std::vector<Limb>& limbs, const Sights& sights, double n
 /// The tree's own radius for a given wood length beyond: medians in classes of length (so that noise in
 /// single places averages out and none is selected by its size), then a line through them in logarithms.
 Allometry fit_allometry(const std::vector<Limb>& limbs, const NodeValues& beyond, const Sights& sights,
-                        double noise, double seen, double tip_radius) {
+                        double noise, double swell, double seen, double tip_radius) {
   constexpr double kClass = 0.5;  // in natural logarithms of length
   Allometry allometry;
   allometry.tip_radius_m = tip_radius;
   std::map<int, std::vector<double>> classes;
   const auto square_of = [&](const Sight& s) {
-    return s.circle.ok ? std::pow(circle_radius(s.circle, noise), 2)
+    return s.circle.ok ? std::pow(circle_radius(s.circle, swell), 2)
                        : radius_squared(s.spread, noise, seen).value;
   };
   for (std::size_t l = 0; l < limbs.size(); ++l)
@@ -138,8 +168,8 @@ Allometry fit_allometry(const std::vector<Limb>& limbs, const NodeValues& beyond
 
 /// One limb's radii and their weights from what was seen and what the tree's allometry expects.
 void weigh(Limb& limb, const std::vector<double>& beyond, const std::vector<Sight>& sights,
-           const Allometry& allometry, double noise, double seen_share, std::vector<double>& radius,
-           std::vector<double>& weight) {
+           const Allometry& allometry, double noise, double swell, double seen_share,
+           std::vector<double>& radius, std::vector<double>& weight) {
   const std::size_t n = limb.nodes.size();
   radius.assign(n, 0);
   weight.assign(n, 0);
@@ -155,7 +185,7 @@ void weigh(Limb& limb, const std::vector<double>& beyond, const std::vector<Sigh
     weight[i] = 1 / (doubt * doubt);
     node.measured = false;
     if (s.circle.ok) {
-      const double r = circle_radius(s.circle, noise);
+      const double r = circle_radius(s.circle, swell);
       const double se = std::hypot(s.circle.radius_se, 0.1 * noise) / std::sqrt(s.circle.coverage);
       const double w = 1 / (se * se);
       radius[i] = (w * r + 0.2 * weight[i] * expected) / (w + 0.2 * weight[i]);
@@ -234,7 +264,8 @@ double scan_noise(const std::vector<Limb>& limbs, const Sights& sights, double f
     noise = median(stems);
   if (stems.size() >= 10) {
     const double thick = median(stems);
-    noise = std::min(noise, 1.7 * thick);
+    const double usual = std::min(noise, 1.7 * thick), beam = beam_radius(sights, usual);
+    noise = std::min(noise, std::max(usual, std::hypot(thick, beam / std::sqrt(3.0))));
     if (options.in_leaf && noise > thick) noise = std::sqrt(0.5 * (noise * noise + thick * thick));
   }
   return std::clamp(noise, 0.0005, 0.05);
@@ -247,13 +278,14 @@ RadiusReport settle_radii(std::vector<Limb>& limbs, const Sights& sights, double
   report.noise_m = noise_m;
   const NodeValues beyond = beyond_nodes(limbs);
   const double tip_radius = 0.5 * options.twig_diameter_m.value_or(kUsualTwigDiameter);
-  const double seen = seen_share(limbs, sights, noise_m);
-  report.allometry = fit_allometry(limbs, beyond, sights, noise_m, seen, tip_radius);
+  const double swell = swell_of(sights, noise_m);
+  const double seen = seen_share(limbs, sights, noise_m, swell);
+  report.allometry = fit_allometry(limbs, beyond, sights, noise_m, swell, seen, tip_radius);
   std::vector<double> value, weight, limb_radius, limb_weight;
   std::vector<std::int32_t> parent;
   std::vector<std::size_t> first(limbs.size());
   for (std::size_t l = 0; l < limbs.size(); ++l) {
-    weigh(limbs[l], beyond[l], sights[l], report.allometry, noise_m, seen, limb_radius, limb_weight);
+    weigh(limbs[l], beyond[l], sights[l], report.allometry, noise_m, swell, seen, limb_radius, limb_weight);
     first[l] = value.size();
     for (std::size_t i = 0; i < limb_radius.size(); ++i) {
       const auto here = static_cast<std::int32_t>(value.size());
