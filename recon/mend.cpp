@@ -59,6 +59,8 @@ std::vector<Bridge> mend_cut_branches(const std::vector<Vec3>& points, const std
                                       double spacing_m, double max_gap_m) {
   constexpr double kThick = 0.012;   // thinner ends may be real ones
   constexpr double kStraight = 0.8;  // cosine of a turn that still goes on
+  constexpr double kStem = 0.4;      // of the thickest section's radius: a stem's end
+  constexpr double kAhead = 0.9;     // cosine of a turn that is none
   constexpr int kBridgesPerEnd = 3;
   constexpr double kFarthestRadii = 12;  // ahead of the end
   constexpr std::size_t kFewestPoints = 8;
@@ -79,6 +81,8 @@ std::vector<Bridge> mend_cut_branches(const std::vector<Vec3>& points, const std
     which.push_back(i);
   }
   const std::vector<Vec3> on = directions_on(sections);
+  double thickest = 0;
+  for (const Section& s : sections) thickest = std::max(thickest, s.radius_m);
   const Neighbors index(centres);
   std::vector<Neighbor> found;
   for (std::size_t i = 0; i < sections.size(); ++i) {
@@ -98,16 +102,23 @@ std::vector<Bridge> mend_cut_branches(const std::vector<Vec3>& points, const std
       const double along = ahead.dot(direction);
       const double aside = (ahead - along * direction).norm();
       // The same branch again beyond a gap (or beside its end, which may have coasted past the place), ...
-      const bool goes_on_there =
-          along > -end.radius_m && aside < 0.7 * end.radius_m + 0.12 * std::abs(along) + 0.5 * spacing_m &&
-          (std::abs(other.direction.dot(direction)) > 0.75 || on[j].dot(direction) > 0.75) &&
-          other.extent_m > 0.35 * end.radius_m && other.extent_m < 1.4 * end.radius_m;
+      const bool goes_on_there = along > -end.radius_m &&
+                                 aside < 0.7 * end.radius_m + 0.12 * std::abs(along) &&
+                                 std::abs(other.direction.dot(direction)) > 0.75 &&
+                                 other.extent_m > 0.35 * end.radius_m && other.extent_m < 1.4 * end.radius_m;
+      // ... or what a cut stem leads to, though the way in came from the side; its course is as sure as
+      // points lie close, ...
+      const bool stem_goes_on_there =
+          end.radius_m > kStem * thickest && along > 2 * end.radius_m &&
+          aside < 0.7 * end.radius_m + 0.12 * along + 0.5 * spacing_m && on[j].dot(direction) > kAhead &&
+          std::abs(other.direction.dot(direction)) < kAhead && other.extent_m > 0.35 * end.radius_m &&
+          other.extent_m < 1.4 * end.radius_m;
       // ... or thicker wood, of which this end is then the base: branches end thin in the open, not thick
       // before a stem.
       const bool bears_it = along > 0 && other.radius_m > end.radius_m &&
                             aside < other.radius_m + 0.5 * end.radius_m &&
                             along - other.radius_m < 8 * end.radius_m;
-      if (!goes_on_there && !bears_it) continue;
+      if (!goes_on_there && !stem_goes_on_there && !bears_it) continue;
       const std::uint32_t a = foremost(points, end.points, direction);
       const std::uint32_t b = foremost(points, other.points, -direction);
       const double gap = (points[a] - points[b]).norm();

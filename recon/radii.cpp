@@ -40,14 +40,30 @@ NodeValues beyond_nodes(const std::vector<Limb>& limbs) {
   return beyond;
 }
 
+/// Mean square distances of the points about thin twigs from their middles.
+std::vector<double> twig_squares(const std::vector<Limb>& limbs, const NodeValues& beyond,
+                                 const Sights& sights) {
+  constexpr double kTip = 0.04, kTwig = 0.4;  // metres of wood beyond
+  std::vector<double> squares;
+  for (std::size_t l = 0; l < limbs.size(); ++l)
+    for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i) {
+      const Sight& s = sights[l][i];
+      if (s.spread.count > 0 && beyond[l][i] > kTip && beyond[l][i] < kTwig && !s.circle.ok)
+        squares.push_back(s.spread.square);
+    }
+  return squares;
+}
+
 constexpr double kThinnest = 3.5, kThickest = 8;  // branches whose circles tell of noise, radii in noises
 
 /// Radius of the scanner's beams where they meet wood; 0 where nothing tells. Of the beams that meet wood of
 /// radius R, w / (R + w) graze it and are recorded up to their radius w beside it, w^2 / 3 in mean square:
 /// circles' scatter grows towards thin wood by w^3 / 3 over the radius, where range noise alone stays the
-/// same.
-double beam_radius(const Sights& sights, double noise) {
+/// same. Twigs must tell of much the same beam (`twigs`: their median mean square distance): where they
+/// spread farther, wood is not round or sections hold more than one limb.
+double beam_radius(const Sights& sights, double noise, double twigs) {
   constexpr std::size_t kFewest = 50;
+  constexpr double kMuchTheSame = 2;
   constexpr double kBranch = 3 * kThickest;  // thicker stems are no circles to the millimetre
   std::array<std::vector<double>, 2> square, curvature;
   for (const auto& limb : sights)
@@ -60,7 +76,8 @@ double beam_radius(const Sights& sights, double noise) {
   if (std::min(square[0].size(), square[1].size()) < kFewest) return 0;
   const double slope =
       (median(square[0]) - median(square[1])) / (median(curvature[0]) - median(curvature[1]));
-  return std::cbrt(3 * std::max(0.0, slope));
+  const double beam = std::cbrt(3 * std::max(0.0, slope));
+  return 0.5 * twigs > kMuchTheSame * (median(square[1]) + beam * beam / 3) ? 0 : beam;
 }
 
 /// By how much circles through noisy points are too wide, times twice their radius. Noise across the beam
@@ -68,9 +85,10 @@ double beam_radius(const Sights& sights, double noise) {
 /// are recorded at their own middle, beside it, which adds about half as much again (1.5 times the first in
 /// median over the drawn trees' scans). Beams far wider than the noise do so by up to half their radius
 /// squared.
-double swell_of(const Sights& sights, double noise) {
+double swell_of(const std::vector<Limb>& limbs, const NodeValues& beyond, const Sights& sights,
+                double noise) {
   constexpr double kGrazing = 1.5;
-  const double beam = beam_radius(sights, noise);
+  const double beam = beam_radius(sights, noise, median(twig_squares(limbs, beyond, sights)));
   return std::max(kGrazing * noise * noise, beam * beam);
 }
 
@@ -246,17 +264,15 @@ double Allometry::radius_at(double beyond_m) const {
 /// the beams' width or the leaves left about them: half of it is taken for either.
 double scan_noise(const std::vector<Limb>& limbs, const Sights& sights, double fallback_m,
                   const RadiusOptions& options) {
-  const NodeValues beyond = beyond_nodes(limbs);
   const double tip_radius = 0.5 * options.twig_diameter_m.value_or(kUsualTwigDiameter);
-  constexpr double kArc = 0.3;  // share of the girth: from one station no more than half is seen
-  std::vector<double> twigs, stems;
-  for (std::size_t l = 0; l < limbs.size(); ++l)
-    for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i) {
-      const Sight& s = sights[l][i];
-      if (s.circle.ok && s.circle.radius > 0.03 && s.circle.coverage > kArc) stems.push_back(s.circle.rms);
-      if (s.spread.count > 0 && beyond[l][i] > 0.04 && beyond[l][i] < 0.4 && !s.circle.ok)
-        twigs.push_back(s.spread.square);
-    }
+  constexpr double kHalf = 0.5;  // of the girth: more is never seen from one station
+  const std::vector<double> twigs = twig_squares(limbs, beyond_nodes(limbs), sights);
+  std::vector<double> stems, arcs;
+  for (const std::vector<Sight>& limb : sights)
+    for (const Sight& s : limb)
+      if (s.circle.ok && s.circle.radius > 0.03)
+        (s.circle.coverage > kHalf ? stems : arcs).push_back(s.circle.rms);
+  if (stems.size() < 10) stems.insert(stems.end(), arcs.begin(), arcs.end());
   double noise = fallback_m;
   if (twigs.size() >= 20)
     noise = std::sqrt(0.5 * std::max(0.0, median(twigs) - 1.5 * tip_radius * tip_radius));
@@ -264,8 +280,7 @@ double scan_noise(const std::vector<Limb>& limbs, const Sights& sights, double f
     noise = median(stems);
   if (stems.size() >= 10) {
     const double thick = median(stems);
-    const double usual = std::min(noise, 1.7 * thick), beam = beam_radius(sights, usual);
-    noise = std::min(noise, std::max(usual, std::hypot(thick, beam / std::sqrt(3.0))));
+    noise = std::min(noise, 1.7 * thick);
     if (options.in_leaf && noise > thick) noise = std::sqrt(0.5 * (noise * noise + thick * thick));
   }
   return std::clamp(noise, 0.0005, 0.05);
@@ -278,7 +293,7 @@ RadiusReport settle_radii(std::vector<Limb>& limbs, const Sights& sights, double
   report.noise_m = noise_m;
   const NodeValues beyond = beyond_nodes(limbs);
   const double tip_radius = 0.5 * options.twig_diameter_m.value_or(kUsualTwigDiameter);
-  const double swell = swell_of(sights, noise_m);
+  const double swell = swell_of(limbs, beyond, sights, noise_m);
   const double seen = seen_share(limbs, sights, noise_m, swell);
   report.allometry = fit_allometry(limbs, beyond, sights, noise_m, swell, seen, tip_radius);
   std::vector<double> value, weight, limb_radius, limb_weight;
