@@ -266,19 +266,20 @@ double scan_noise(const std::vector<Limb>& limbs, const Sights& sights, double f
                   const RadiusOptions& options) {
   const double tip_radius = 0.5 * options.twig_diameter_m.value_or(kUsualTwigDiameter);
   constexpr double kHalf = 0.5;  // of the girth: more is never seen from one station
+  constexpr std::size_t kFewest = 5;
   const std::vector<double> twigs = twig_squares(limbs, beyond_nodes(limbs), sights);
   std::vector<double> stems, arcs;
   for (const std::vector<Sight>& limb : sights)
     for (const Sight& s : limb)
       if (s.circle.ok && s.circle.radius > 0.03)
         (s.circle.coverage > kHalf ? stems : arcs).push_back(s.circle.rms);
-  if (stems.size() < 10) stems.insert(stems.end(), arcs.begin(), arcs.end());
+  if (stems.size() < kFewest) stems.insert(stems.end(), arcs.begin(), arcs.end());
   double noise = fallback_m;
   if (twigs.size() >= 20)
     noise = std::sqrt(0.5 * std::max(0.0, median(twigs) - 1.5 * tip_radius * tip_radius));
-  else if (stems.size() >= 10)
+  else if (stems.size() >= kFewest)
     noise = median(stems);
-  if (stems.size() >= 10) {
+  if (stems.size() >= kFewest) {
     const double thick = median(stems);
     noise = std::min(noise, 1.7 * thick);
     if (options.in_leaf && noise > thick) noise = std::sqrt(0.5 * (noise * noise + thick * thick));

@@ -208,7 +208,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   clock.mark("skeleton");
 
   const RadiusOptions radius_options{.twig_diameter_m = options.twig_diameter_m, .in_leaf = result.leaf_on};
-  SightOptions seeing{.noise_m = std::clamp(0.25 * graph.typical_spacing_m, 0.001, 0.02),
+  SightOptions seeing{.noise_m = std::clamp(0.25 * graph.typical_spacing_m, 0.001, 0.006),
                       .threads = options.threads};
   progress.begin("centre lines", 0, "limbs");
   Sights sights = look_at_limbs(scan.points, limbs, seeing, progress);

@@ -13,7 +13,8 @@ namespace dendrofit {
 namespace {
 
 constexpr double kShortestWindow = 0.03;  // half the length along which points are seen together, metres
-constexpr double kLongestWindow = 0.10;
+constexpr double kLongestWindow = 0.10;   // more where wood is thick: its taper and bends are slow
+constexpr double kLongestRadii = 3;
 constexpr std::size_t kEnoughPoints = 14;
 constexpr std::size_t kFewestPoints = 6;
 constexpr double kArcOnly = 4;  // radii in noises: thicker wood is judged by circles alone
@@ -115,7 +116,8 @@ Sights look_at_some_limbs(const std::vector<Vec3>& points, const std::vector<Lim
         sight.centre_se = kUnseen;
         double window = std::max(kShortestWindow, 0.6 * node.rough_radius_m);
         look(points, limb, i, window, view);
-        for (; view.flat.size() < kEnoughPoints && window < kLongestWindow; window *= 1.5)
+        const double longest = std::max(kLongestWindow, kLongestRadii * node.rough_radius_m);
+        for (; view.flat.size() < kEnoughPoints && window < longest; window *= 1.5)
           look(points, limb, i, 1.5 * window, view);
         sight.spread = spread_of(view.flat, scratch);
         if (sight.spread.count == 0) continue;
