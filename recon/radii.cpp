@@ -134,6 +134,18 @@ double seen_share(const std::vector<Limb>& limbs, const Sights& sights, double n
   return std::max(share, kOneSide);
 }
 
+/// The pipe relation that the stems' circles tell (Shinozaki et al. 1964): cross-sections in proportion to
+/// the wood length beyond. Returns the radius that bears one metre; 0 where no stem shows a circle.
+double pipe_scale(const std::vector<Limb>& limbs, const NodeValues& beyond, const Sights& sights,
+                  double swell) {
+  std::vector<double> scales;
+  for (std::size_t l = 0; l < limbs.size(); ++l)
+    for (std::size_t i = 0; limbs[l].parent < 0 && i < limbs[l].nodes.size(); ++i)
+      if (sights[l][i].circle.ok && beyond[l][i] > 1)
+        scales.push_back(circle_radius(sights[l][i].circle, swell) / std::sqrt(beyond[l][i]));
+  return median(scales);
+}
+
 /// The tree's own radius for a given wood length beyond: medians in classes of length (so that noise in
 /// single places averages out and none is selected by its size), then a line through them in logarithms.
 Allometry fit_allometry(const std::vector<Limb>& limbs, const NodeValues& beyond, const Sights& sights,
@@ -167,12 +179,19 @@ Allometry fit_allometry(const std::vector<Limb>& limbs, const NodeValues& beyond
     add(std::sqrt(static_cast<double>(std::min<std::size_t>(squares.size(), 100))), (index + 0.5) * kClass,
         0.5 * std::log(r2));
   }
+  // Where a scan is too sparse to tell twigs apart they seem many times as thick as the stem could feed.
+  constexpr double kMostOfPipe = 3;
+  const double pipe = pipe_scale(limbs, beyond, sights, swell);
+  allometry.scale = pipe;
   if (allometry.places < 20) return allometry;
   add(5, std::log(0.05), std::log(tip_radius));  // a twig's last five centimetres
   const double det = sw * sxx - sx * sx;
   if (!(det > 1e-9 * sw * sw)) return allometry;
-  allometry.exponent = std::clamp((sw * sxy - sx * sy) / det, 0.25, 1.0);
-  allometry.scale = std::exp((sy - allometry.exponent * sx) / sw);
+  const double exponent = std::clamp((sw * sxy - sx * sy) / det, 0.25, 1.0);
+  const double scale = std::exp((sy - exponent * sx) / sw);
+  if (pipe > 0 && scale > kMostOfPipe * pipe) return allometry;
+  allometry.exponent = exponent;
+  allometry.scale = scale;
   std::vector<double> off;
   for (std::size_t l = 0; l < limbs.size(); ++l)
     for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i) {
