@@ -34,7 +34,7 @@ void judge_regrown(const Truth& truth, const Tree& seen, const FitOptions& optio
           regrow(parameters, problem.setting.observed, simulation_seed(truth.seed, 99, s), no_progress())
               .tree;
       const TreeMetrics m = measure(tree);
-      const std::vector<double> d = describe(tree, problem.setting.comparison);
+      const std::vector<double> d = describe(as_observed(tree, problem.setting), problem.setting.comparison);
       sum.height += m.height_m / kRegrown;
       sum.dbh += m.dbh_m.value_or(0) / kRegrown;
       sum.volume += m.total_volume_m3 / kRegrown;
@@ -70,7 +70,7 @@ std::vector<RecoveryLine> first_posterior(const Truth& truth, const Tree& seen, 
   SimulationLog log(0);
   const PriorInformation prior = prior_information(problem, log, no_progress());
   if (!prior.from_bank) throw SolverError("the bank cannot be used");
-  const PosteriorSample posterior = regression_posterior(prior.simulations, prior.observation);
+  const PosteriorSample posterior = dendrofit::first_posterior(problem, prior, no_progress());
   const auto rows = problem.space.reported();
   const auto parameters = report_parameters(problem, posterior, truth.parameters);
   std::vector<RecoveryLine> lines;
