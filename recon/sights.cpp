@@ -49,7 +49,8 @@ struct View {
   Vec3 u, v;
 };
 
-/// Looks through a window that is half as wide again until enough points are seen, or it is `longest` or more.
+/// Looks through a window that is half as wide again until enough points are seen, or it is `longest` or
+/// more.
 void look(const Limb& limb, const Offsets& offsets, std::size_t node, double half_window, double longest,
           View& view) {
   const double here = limb.nodes[node].along_m;
