@@ -14,7 +14,8 @@ namespace dendrofit {
 namespace {
 
 constexpr double kShortestWindow = 0.03;  // half the length along which points are seen together, metres
-constexpr double kLongestWindow = 0.10;
+constexpr double kLongestWindow = 0.10;   // more where wood is thick: its taper and bends are slow
+constexpr double kLongestRadii = 3;
 constexpr std::size_t kEnoughPoints = 14;
 constexpr std::size_t kFewestPoints = 6;
 constexpr double kArcOnly = 4;  // radii in noises: thicker wood is judged by circles alone
@@ -48,14 +49,16 @@ struct View {
   Vec3 u, v;
 };
 
-/// Looks through a window that is half as wide again until enough points are seen, or it is wide enough.
-void look(const Limb& limb, const Offsets& offsets, std::size_t node, double half_window, View& view) {
+/// Looks through a window that is half as wide again until enough points are seen, or it is `longest` or
+/// more.
+void look(const Limb& limb, const Offsets& offsets, std::size_t node, double half_window, double longest,
+          View& view) {
   const double here = limb.nodes[node].along_m;
   std::size_t begin = node, end = node + 1;
   for (;; half_window *= 1.5) {
     while (begin > 0 && here - limb.nodes[begin - 1].along_m <= half_window) --begin;
     while (end < limb.nodes.size() && limb.nodes[end].along_m - here <= half_window) ++end;
-    if (offsets.first[end] - offsets.first[begin] >= kEnoughPoints || half_window >= kLongestWindow) break;
+    if (offsets.first[end] - offsets.first[begin] >= kEnoughPoints || half_window >= longest) break;
   }
   view.flat.clear();
   plane_frame(direction_at(limb, node), view.u, view.v);
@@ -144,7 +147,8 @@ Sights look_at_some_limbs(const std::vector<Vec3>& points, const std::vector<Lim
         Sight& sight = sights[l][i];
         sight.centre = node.centre;
         sight.centre_se = kUnseen;
-        look(limb, offsets, i, std::max(kShortestWindow, 0.6 * node.rough_radius_m), view);
+        const double longest = std::max(kLongestWindow, kLongestRadii * node.rough_radius_m);
+        look(limb, offsets, i, std::max(kShortestWindow, 0.6 * node.rough_radius_m), longest, view);
         sight.spread = spread_of(view.flat);
         if (sight.spread.count == 0) continue;
         const double apparent = std::sqrt(sight.spread.square);
