@@ -158,15 +158,15 @@ void keep_points(CleanScan& scan, const std::vector<char>& keep, std::vector<Foo
   }
 }
 
-std::size_t close_low_vegetation(const std::vector<Vec3>& points, const PointGraph& graph,
-                                 const std::vector<double>& height, const Ground& ground,
-                                 const std::vector<Foot>& feet, std::vector<char>& open) {
+Parts close_low_vegetation(const std::vector<Vec3>& points, const PointGraph& graph, Parts parts,
+                           const std::vector<double>& height, const Ground& ground,
+                           const std::vector<Foot>& feet, std::vector<char>& open) {
   double top = 0;
   for (const double h : height) top = std::max(top, h);
   const double shrubs = std::min(1.5, 0.2 * top);
   // Without ground about it the tree was cut out of its scene: its boughs may hang low.
   const double grass = ground.present ? std::min(0.5, 0.08 * top) : 0;
-  std::size_t closed = 0;
+  bool cut = false;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!open[i] || height[i] >= grass) continue;
     const bool at_stem = std::any_of(feet.begin(), feet.end(), [&](const Foot& f) {
@@ -175,9 +175,9 @@ std::size_t close_low_vegetation(const std::vector<Vec3>& points, const PointGra
     });
     if (at_stem) continue;
     open[i] = 0;
-    ++closed;
+    cut = true;
   }
-  const Parts parts = connected_parts(graph, open);
+  if (cut) parts = connected_parts(graph, open);
   std::vector<char> wanted(parts.points.size(), 0);
   for (std::size_t i = 0; i < points.size(); ++i)
     if (open[i] && height[i] > shrubs) wanted[parts.part[i]] = 1;
@@ -190,12 +190,24 @@ std::size_t close_low_vegetation(const std::vector<Vec3>& points, const PointGra
   for (const Foot& f : feet)
     for (const std::uint32_t p : f.points)
       if (open[p]) wanted[parts.part[p]] = 1;
+  // Parts are closed whole: the others need but new numbers.
+  Parts left;
+  left.part.assign(points.size(), Paths::kNone);
+  std::vector<std::uint32_t> number(parts.points.size(), Paths::kNone);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!open[i] || wanted[parts.part[i]]) continue;
-    open[i] = 0;
-    ++closed;
+    if (!open[i]) continue;
+    const std::uint32_t part = parts.part[i];
+    if (!wanted[part]) {
+      open[i] = 0;
+      continue;
+    }
+    if (number[part] == Paths::kNone) {
+      number[part] = static_cast<std::uint32_t>(left.points.size());
+      left.points.push_back(parts.points[part]);
+    }
+    left.part[i] = number[part];
   }
-  return closed;
+  return left;
 }
 
 }  // namespace dendrofit

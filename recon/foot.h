@@ -33,9 +33,10 @@ void keep_points(CleanScan& scan, const std::vector<char>& keep, std::vector<Foo
 
 /// Closes (open[i] = 0) the grass, herbs, shrubs and fences about the stems: in a scan with ground what lies
 /// within half a metre of it away from a stem, and parts that end below 1.5 m and touch no stem; in a scan
-/// without ground such parts only where they reach down to the foot's level. Returns how many points.
-std::size_t close_low_vegetation(const std::vector<Vec3>& points, const PointGraph& graph,
-                                 const std::vector<double>& height, const Ground& ground,
-                                 const std::vector<Foot>& feet, std::vector<char>& open);
+/// without ground such parts only where they reach down to the foot's level. `parts` are those of the open
+/// points; returns those of the ones that are left.
+Parts close_low_vegetation(const std::vector<Vec3>& points, const PointGraph& graph, Parts parts,
+                           const std::vector<double>& height, const Ground& ground,
+                           const std::vector<Foot>& feet, std::vector<char>& open);
 
 }  // namespace dendrofit

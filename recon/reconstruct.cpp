@@ -139,15 +139,16 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   clock.mark("neighbours");
 
   std::vector<char> open(scan.points.size(), 1);
-  const std::vector<double> height = heights_above_foot(scan.points, connected_parts(graph, open), ground);
+  Parts parts = connected_parts(graph, open);
+  const std::vector<double> height = heights_above_foot(scan.points, parts, ground);
   const std::vector<Foot> feet = find_feet(scan.points, graph, height, ground);
   const std::vector<Stem> stems = tell_stems(scan.points, graph, height, feet);
   Stool tree_feet;
   for (const Stem& stem : stems) tree_feet.push_back(stem.foot);
-  result.ground_points += close_low_vegetation(scan.points, graph, height, ground, tree_feet, open);
+  parts = close_low_vegetation(scan.points, graph, std::move(parts), height, ground, tree_feet, open);
+  result.ground_points += static_cast<std::size_t>(std::count(open.begin(), open.end(), 0));
   clock.mark("foot");
 
-  const Parts parts = connected_parts(graph, open);
   std::vector<Bridge> bridges = bridge_gaps(scan.points, graph, parts, graph_options, progress);
   clock.mark("gaps");
 
@@ -186,6 +187,7 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
     bridges = bridge_gaps(scan.points, graph, connected_parts(graph, open), graph_options, progress);
     paths = shortest_paths(scan.points, graph, bridges, open, ring_of(tree_feet), progress);
   }
+  graph.index.reset();  // all gaps are found
   clock.mark("wood and leaves");
 
   std::vector<Section> sections = cut_sections(scan.points, graph, paths, tree_feet, progress);

@@ -32,6 +32,18 @@ LimbPlace place_near(const Limb& limb, const Vec3& point, std::int32_t node) {
   return nearest_place(limb, point, first, last);
 }
 
+/// Calls visit(p, place) for every owned point with the place of its limb's line that it is nearest to: limb
+/// by limb, so that a line's nodes are at hand for all its points.
+template <class Visit>
+void visit_places(const std::vector<Vec3>& points, const std::vector<Limb>& limbs, const Owners& owners,
+                  const Visit& visit) {
+  for (std::size_t l = 0; l < limbs.size(); ++l)
+    for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i)
+      for (const std::uint32_t p : limbs[l].nodes[i].points)
+        if (owners.limb[p] == static_cast<std::int32_t>(l) && owners.node[p] == static_cast<std::int32_t>(i))
+          visit(p, place_near(limbs[l], points[p], owners.node[p]));
+}
+
 double off_surface(const LimbPlace& place) {
   return place.distance_m - place.radius_m;
 }
@@ -107,13 +119,11 @@ std::vector<char> hand_over_points(const std::vector<Vec3>& points, const PointG
   Owners owners = before;
   std::vector<std::uint32_t> off;
   std::vector<double> least(points.size(), 0);
-  for (std::uint32_t p = 0; p < points.size(); ++p) {
-    if (owners.limb[p] == kNobody) continue;
-    const LimbPlace place =
-        place_near(limbs[static_cast<std::size_t>(owners.limb[p])], points[p], owners.node[p]);
+  visit_places(points, limbs, owners, [&](std::uint32_t p, const LimbPlace& place) {
     least[p] = std::abs(off_surface(place));
     if (least[p] > tolerance(place.radius_m, noise_m)) off.push_back(p);
-  }
+  });
+  std::sort(off.begin(), off.end());
   for (int pass = 0; pass < kPasses; ++pass) {
     const Owners last = owners;
     for (const std::uint32_t p : off)
@@ -149,13 +159,10 @@ void grow_side_shoots(const std::vector<Vec3>& points, const PointGraph& graph, 
   const double step = std::max(0.02, 2.5 * spacing);
   Owners owners(points.size(), limbs);
   std::vector<float> out(points.size(), 0);  // metres beyond the surface; 0: on it
-  for (std::uint32_t p = 0; p < points.size(); ++p) {
-    if (owners.limb[p] == kNobody) continue;
-    const LimbPlace place =
-        place_near(limbs[static_cast<std::size_t>(owners.limb[p])], points[p], owners.node[p]);
+  visit_places(points, limbs, owners, [&](std::uint32_t p, const LimbPlace& place) {
     if (off_surface(place) > tolerance(place.radius_m, noise_m))
       out[p] = static_cast<float>(off_surface(place));
-  }
+  });
   std::vector<char> seen(points.size(), 0);
   std::vector<std::uint32_t> shoot;
   const std::size_t bearers = limbs.size();

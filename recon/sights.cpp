@@ -60,11 +60,12 @@ void look(const Limb& limb, const Offsets& offsets, std::size_t node, double hal
     while (end < limb.nodes.size() && limb.nodes[end].along_m - here <= half_window) ++end;
     if (offsets.first[end] - offsets.first[begin] >= kEnoughPoints || half_window >= longest) break;
   }
-  view.flat.clear();
   plane_frame(direction_at(limb, node), view.u, view.v);
+  view.flat.resize(offsets.first[end] - offsets.first[begin]);
+  Eigen::Vector2d* to = view.flat.data();
   const auto add = [&](std::size_t j) {
     for (std::size_t k = offsets.first[j]; k < offsets.first[j + 1]; ++k)
-      view.flat.emplace_back(offsets.across[k].dot(view.u), offsets.across[k].dot(view.v));
+      *to++ = {offsets.across[k].dot(view.u), offsets.across[k].dot(view.v)};
   };
   add(node);
   for (std::size_t j = node; j-- > begin;) add(j);

@@ -58,5 +58,31 @@ TEST(Foot, foliage_without_a_trunk_is_refused_with_the_reason) {
   EXPECT_THROW(feet_of({Vec3::Zero()}), SolverError);
 }
 
+TEST(LowVegetation, is_closed_and_the_parts_that_are_left_are_those_of_the_open_points) {
+  PointCloud cloud;
+  test::add_wood(cloud, {0.6, 0, 0}, {0.6, 0, 0.5}, 0.02, 0.01, 0.01, 0.001);  // a post, first in the scan
+  const std::size_t post = cloud.size();
+  const PointCloud tree = test::small_tree();
+  cloud.points.insert(cloud.points.end(), tree.points.begin(), tree.points.end());
+  test::add_wood(cloud, {-0.9, 0, 0}, {-0.9, 0, 0.4}, 0.02, 0.01, 0.01, 0.001);
+  const PointGraph graph = neighbor_graph(cloud.points);
+  std::vector<char> open(cloud.size(), 1);
+  const Parts all = connected_parts(graph, open);
+  for (const bool on_ground : {false, true}) {
+    Ground ground;
+    if (on_ground) ground = {.present = true, .cell_m = 10, .columns = 1, .rows = 1, .height = {0}};
+    const auto height = heights_above_foot(cloud.points, all, ground);
+    const std::vector<Foot> feet = {find_feet(cloud.points, graph, height, ground).front()};
+    open.assign(cloud.size(), 1);
+    const Parts left = close_low_vegetation(cloud.points, graph, all, height, ground, feet, open);
+    const Parts expected = connected_parts(graph, open);
+    EXPECT_EQ(left.part, expected.part);
+    EXPECT_EQ(left.points, expected.points);
+    EXPECT_LT(expected.points.size(), all.points.size());
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      if (i < post || i >= post + tree.size()) EXPECT_FALSE(open[i]) << i;
+  }
+}
+
 }  // namespace
 }  // namespace dendrofit
