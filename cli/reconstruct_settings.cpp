@@ -96,6 +96,7 @@ std::string reconstruction_json(const Reconstruction& r) {
                       {{"read", r.raw_points},
                        {"after_merging", r.clean_points},
                        {"ground", r.ground_points},
+                       {"walls", r.wall_points},
                        {"other_trees", r.other_points},
                        {"stray", r.stray_points},
                        {"tree", r.tree_points},

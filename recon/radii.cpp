@@ -189,7 +189,10 @@ Allometry fit_allometry(const std::vector<Limb>& limbs, const NodeValues& beyond
   if (!(det > 1e-9 * sw * sw)) return allometry;
   const double exponent = std::clamp((sw * sxy - sx * sy) / det, 0.25, 1.0);
   const double scale = std::exp((sy - exponent * sx) / sw);
-  if (pipe > 0 && scale > kMostOfPipe * pipe) return allometry;
+  if (pipe > 0 && scale > kMostOfPipe * pipe) {
+    allometry.scale = std::sqrt(kMostOfPipe) * pipe;  // half way to what may be
+    return allometry;
+  }
   allometry.exponent = exponent;
   allometry.scale = scale;
   std::vector<double> off;

@@ -38,9 +38,10 @@ struct RadiusReport {
 double scan_noise(const std::vector<Limb>& limbs, const Sights& sights, double fallback_m,
                   const RadiusOptions& options = {});
 
-/// Corrects what was seen for the widening by noise, fits the allometry, and settles every radius and its
-/// quality: measured where the points say more than the allometry, interpolated between such places, else
-/// allometric. Radii fall towards the tips, and no limb is thicker than its bearer.
+/// Corrects what was seen for the widening by noise and beams, fits the allometry (bounded by the pipe
+/// relation of the stems' own circles, which stands in where too little was measured), and settles every
+/// radius and its quality: measured where the points say more than the allometry, interpolated between such
+/// places, else allometric. Radii fall towards the tips, and no limb is thicker than its bearer.
 RadiusReport settle_radii(std::vector<Limb>& limbs, const Sights& sights, double noise_m,
                           const RadiusOptions& options = {});
 

@@ -17,6 +17,7 @@
 #include "recon/side_shoots.h"
 #include "recon/skeleton.h"
 #include "recon/stems.h"
+#include "recon/walls.h"
 
 #include <algorithm>
 #include <chrono>
@@ -132,6 +133,10 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   const Ground ground = find_ground(scan.points, preprocess);
   result.ground_found = ground.present;
   result.ground_points = remove_ground(scan, ground);
+  result.wall_points = remove_walls(scan);
+  if (result.wall_points > 0)
+    result.warnings.push_back(std::to_string(result.wall_points) +
+                              " points of a wall or fence were left out, with the wood that touches it");
   clock.mark("ground");
 
   PointGraph graph = neighbor_graph(scan.points, graph_options, progress);

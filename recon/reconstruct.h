@@ -56,6 +56,7 @@ struct Reconstruction {
   std::size_t raw_points = 0;
   std::size_t clean_points = 0;   ///< after merging near duplicates
   std::size_t ground_points = 0;  ///< ground and low vegetation
+  std::size_t wall_points = 0;    ///< of large upright planes, see walls.h
   std::size_t stray_points = 0;   ///< isolated, or beyond every gap that may be bridged
   std::size_t stems = 1;          ///< of the tree, from one stool
   std::vector<Vec3> other_trees;  ///< world positions of trees that stand in the scan too and were left out,

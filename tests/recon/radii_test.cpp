@@ -142,6 +142,64 @@ TEST(Radii, leaves_about_twigs_are_half_of_what_they_show_beyond_thick_wood) {
   EXPECT_NEAR(scan_noise(limbs, sights, 0.01, {.in_leaf = true}), std::sqrt((9e-6 + 4e-6) / 2), 1e-6);
 }
 
+TEST(Radii, twigs_that_a_sparse_scan_holds_for_one_limb_are_no_thicker_than_the_stem_could_feed) {
+  std::vector<Limb> limbs(1);
+  Sights sights(1);
+  for (int k = 0; k < 40; ++k) {
+    LimbNode node;
+    node.centre = Vec3(0, 0, 0.1 * k);
+    limbs[0].nodes.push_back(node);
+    Sight s;
+    s.centre = node.centre;
+    s.circle = {
+        .ok = true, .radius = 0.06, .rms = 0.002, .radius_se = 0.001, .coverage = 0.45, .inliers = 20};
+    s.spread = {.square = 0.0036, .count = 20};
+    sights[0].push_back(s);
+  }
+  for (int l = 0; l < 36; ++l) {
+    Limb limb;
+    limb.parent = 0;
+    limb.parent_node = l + 3;
+    sights.emplace_back();
+    for (int k = 0; k < 60; ++k) {
+      LimbNode node;
+      node.centre = Vec3(0.05 * k, 0, 0.1 * (l + 3));
+      limb.nodes.push_back(node);
+      Sight s;
+      s.centre = node.centre;
+      s.spread = {.square = 0.05 * 0.05, .count = 9};  // twigs 5 cm about their common middle
+      sights.back().push_back(s);
+    }
+    limbs.push_back(std::move(limb));
+  }
+  measure_lengths(limbs);
+  const RadiusReport report = settle_radii(limbs, sights, 0.003);
+  const double pipe = 0.06 / std::sqrt(limbs[0].beyond_m);
+  EXPECT_LT(report.allometry.radius_at(1), 3 * pipe);
+  EXPECT_GT(report.allometry.radius_at(1), 0.5 * pipe);
+}
+
+TEST(Radii, a_thick_stem_with_few_points_is_seen_through_a_longer_window) {
+  std::vector<Vec3> points;
+  Limb stem;
+  for (int k = 0; k < 20; ++k) {
+    LimbNode node;
+    node.centre = Vec3(0, 0, 0.1 * k);
+    node.rough_radius_m = 0.1;
+    for (int j = 0; j < 4; ++j) {
+      const double turn = 1.6 * j + 0.7 * k;
+      node.points.push_back(static_cast<std::uint32_t>(points.size()));
+      points.push_back(node.centre + 0.1 * Vec3(std::cos(turn), std::sin(turn), 0));
+    }
+    stem.nodes.push_back(std::move(node));
+  }
+  std::vector<Limb> limbs{stem};
+  measure_lengths(limbs);
+  const Sights sights = look_at_limbs(points, limbs, {.noise_m = 0.003, .threads = 1});
+  EXPECT_TRUE(sights[0][10].circle.ok);
+  EXPECT_NEAR(sights[0][10].circle.radius, 0.1, 0.001);
+}
+
 TEST(Radii, twig_diameter_bounds_the_tips) {
   std::vector<Vec3> points;
   Random random(4);
