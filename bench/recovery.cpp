@@ -99,6 +99,7 @@ void run(const Settings& settings) {
     options.threads = 1;
     options.seed = truth.seed;
     options.observed_from = settings.arm == 'a' ? ObservedFrom::exact : ObservedFrom::scan;
+    if (settings.arm == 'b') options.thinnest_wood_m = kThinnestSeen;
     if (settings.age) options.age_years = truth.parameters.cycles;
     if (settings.search > 0) options.evaluations = settings.search;
     try {

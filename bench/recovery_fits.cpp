@@ -15,9 +15,10 @@ namespace {
 
 constexpr int kRegrown = 8;
 
-/// Trees regrown from `best` on fresh seeds beside the true one: means of their measures, and two distances
-/// from the tree as seen: in typical noise, and by projected Kolmogorov-Smirnov statistics. Each distance is
-/// judged by what the true parameters' own trees have.
+/// Trees regrown from `best` on fresh seeds beside the true one: means of their measures (the height also of
+/// what of each would be seen, beside what was), and two distances from the tree as seen: in typical noise,
+/// and by projected Kolmogorov-Smirnov statistics. Each distance is judged by what the true parameters' own
+/// trees have.
 void judge_regrown(const Truth& truth, const Tree& seen, const FitOptions& options, const IgmParameters& best,
                    std::vector<RecoveryLine>& lines) {
   const FitProblem problem = pose(seen, options);
@@ -25,7 +26,7 @@ void judge_regrown(const Truth& truth, const Tree& seen, const FitOptions& optio
                            problem.observed, problem.error);
   const ProjectedKs ks(seen, problem.setting.comparison, truth.seed);
   struct Judged {
-    double height = 0, dbh = 0, volume = 0, cost = 0, ks = 0;
+    double height = 0, seen_height = 0, dbh = 0, volume = 0, crown = 0, cost = 0, ks = 0;
   };
   const auto judged = [&](const IgmParameters& parameters) {
     Judged sum;
@@ -34,8 +35,11 @@ void judge_regrown(const Truth& truth, const Tree& seen, const FitOptions& optio
           regrow(parameters, problem.setting.observed, simulation_seed(truth.seed, 99, s), no_progress())
               .tree;
       const TreeMetrics m = measure(tree);
-      const std::vector<double> d = describe(tree, problem.setting.comparison);
+      const Tree part = as_observed(tree, problem.setting);
+      const std::vector<double> d = describe(part, problem.setting.comparison);
       sum.height += m.height_m / kRegrown;
+      sum.seen_height += measure(part).height_m / kRegrown;
+      sum.crown += m.crown_diameter_m / kRegrown;
       sum.dbh += m.dbh_m.value_or(0) / kRegrown;
       sum.volume += m.total_volume_m3 / kRegrown;
       sum.cost +=
@@ -57,6 +61,8 @@ void judge_regrown(const Truth& truth, const Tree& seen, const FitOptions& optio
     lines.push_back(l);
   };
   line("tree_height_percent", 0, 100 * (own.height / m.height_m - 1));
+  line("tree_height_seen_percent", 0, 100 * (own.seen_height / problem.setting.observed.height_m - 1));
+  line("tree_crown_percent", 0, 100 * (own.crown / m.crown_diameter_m - 1));
   if (m.dbh_m) line("tree_dbh_percent", 0, 100 * (own.dbh / *m.dbh_m - 1));
   line("tree_volume_percent", 0, 100 * (own.volume / m.total_volume_m3 - 1));
   line("distance", floor.cost, own.cost);
@@ -70,7 +76,7 @@ std::vector<RecoveryLine> first_posterior(const Truth& truth, const Tree& seen, 
   SimulationLog log(0);
   const PriorInformation prior = prior_information(problem, log, no_progress());
   if (!prior.from_bank) throw SolverError("the bank cannot be used");
-  const PosteriorSample posterior = regression_posterior(prior.simulations, prior.observation);
+  const PosteriorSample posterior = dendrofit::first_posterior(problem, prior, no_progress());
   const auto rows = problem.space.reported();
   const auto parameters = report_parameters(problem, posterior, truth.parameters);
   std::vector<RecoveryLine> lines;

@@ -4,7 +4,7 @@
 #include "core/errors.h"
 #include "core/metrics.h"
 #include "core/random.h"
-#include "core/tree_topology.h"
+#include "fit/descriptors.h"
 #include "fit/search_space.h"
 #include "forward/igm/grow.h"
 #include "forward/virtual_scan/virtual_scan.h"
@@ -15,7 +15,6 @@ namespace {
 
 constexpr int kStrata = 200;
 constexpr std::uint64_t kTruthSeed = 0x77777;
-constexpr double kThinnestSeen = 0.004;
 
 /// Stratum of truth `index` in dimension d: a fixed permutation of the strata.
 int stratum(int index, int d) {
@@ -50,14 +49,7 @@ Truth grow_truth(int index) {
 
 Tree as_seen(const Truth& truth, char arm) {
   if (arm == 'a') return truth.tree;
-  if (arm == 'b') {
-    std::vector<char> keep(truth.tree.size());
-    for (std::size_t i = 0; i < keep.size(); ++i) {
-      const std::int32_t p = truth.tree.parent[i];
-      keep[i] = p < 0 || (keep[static_cast<std::size_t>(p)] && truth.tree.radius[i] >= kThinnestSeen);
-    }
-    return subset(truth.tree, keep);
-  }
+  if (arm == 'b') return without_thin_wood(truth.tree, kThinnestSeen);
   ScanOptions scan;
   scan.seed = truth.seed;
   scan.threads = 1;

@@ -16,11 +16,14 @@ struct Truth {
   Tree tree;
 };
 
+/// Radius of the thinnest wood that arm b hands over, metres.
+inline constexpr double kThinnestSeen = 0.004;
+
 /// Truth number `index`: its parameters lie in the middle 80 % of every searched range, in one stratum of a
 /// Latin hypercube each of two hundred; its tree is 40 to 110 internodes of 0.1 m tall (else the next draw).
 Truth grow_truth(int index);
 
-/// The tree as arm 'a' (itself), 'b' (without wood of radius below 4 mm) or 'c' (virtual scan from four
+/// The tree as arm 'a' (itself), 'b' (without thinner wood than kThinnestSeen) or 'c' (virtual scan from four
 /// stations, reconstructed) has it.
 Tree as_seen(const Truth& truth, char arm);
 

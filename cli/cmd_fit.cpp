@@ -71,6 +71,7 @@ class Fit : public Command {
     if (!model) {
       ObservedTree seen = observe_tree(session, input, reconstruct_, photo_, folder, {});
       if (seen.one_view) options.observed_from = ObservedFrom::one_view;
+      options.dbh_m = seen.model.metrics.dbh_m;
       inputs = seen.inputs;
       model = std::move(seen.model.tree);
     }

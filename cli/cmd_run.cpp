@@ -58,6 +58,7 @@ class Run : public Command {
     const ObservedTree observed = observe_tree(session, scan_, reconstruct_, photo_, folder, {"obj", "glb"});
     const Reconstruction& model = observed.model;
     if (observed.one_view) fit_options.observed_from = ObservedFrom::one_view;
+    fit_options.dbh_m = model.metrics.dbh_m;
     watch.lap("reconstruct");
 
     const TreeFit fit = fit_tree(model.tree, fit_options, session.progress());

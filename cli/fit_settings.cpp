@@ -28,6 +28,8 @@ void FitSettings::declare(OptionTable& options) {
                "Table of this tree's dated heights (time in years, value in metres): fixes the time course");
   options.number("--internode-length", internode_length_m, Quantity::length,
                  "Internode length of the model (default: by the tree's height)");
+  options.number("--thinnest-wood", thinnest_wood_m, Quantity::length,
+                 "Radius below which wood is missing from the model that is given (default: none is)");
   options.choice("--equation", equation, {"logistic", "bertalanffy", "weibull"}, "Growth equation");
 }
 
@@ -52,6 +54,7 @@ FitOptions FitSettings::resolve(const Session& session) const {
   if (options.seconds) options.evaluations = 1'000'000;
   options.age_years = age_years;
   options.internode_length_m = internode_length_m;
+  options.thinnest_wood_m = thinnest_wood_m;
   options.equation = equation;
   if (!heights.empty()) {
     const std::vector<MeasurementSeries> series = read_measurements(heights);

@@ -16,6 +16,7 @@ struct FitSettings {
   std::string budget = "200";
   std::optional<double> age_years;
   std::optional<double> internode_length_m;
+  std::optional<double> thinnest_wood_m;
   std::string equation = "logistic";
   std::filesystem::path heights;
 

@@ -111,23 +111,26 @@ void DescribeOptions::validate() const {
           internode_length_m, "must be positive");
 }
 
+Tree without_thin_wood(const Tree& tree, double radius_m) {
+  std::vector<char> keep(tree.size());
+  for (std::size_t i = 0; i < tree.size(); ++i) {
+    const std::int32_t p = tree.parent[i];
+    // A root stays whatever its radius, so that the thinnest sapling still is a tree.
+    keep[i] = p < 0 || (keep[static_cast<std::size_t>(p)] && tree.radius[i] >= radius_m);
+  }
+  return subset(tree, keep);
+}
+
 Tree comparable_tree(const Tree& tree, const DescribeOptions& options) {
   options.validate();
   if (tree.empty()) throw InputError("the tree has no cylinder: nothing to describe");
   Tree whole = tree;
   assign_axes_by_thickness(whole);
-  const double visible = options.visible_share * reference_radius(whole);
   const double shortest = options.shortest_axis_share * height_of(whole);
-  std::vector<char> keep(whole.size());
-  for (std::size_t i = 0; i < whole.size(); ++i) {
-    const std::int32_t p = whole.parent[i];
-    // A root stays whatever its radius, so that the thinnest sapling still is a tree.
-    keep[i] = p < 0 || (keep[static_cast<std::size_t>(p)] && whole.radius[i] >= visible);
-  }
-  Tree part = subset(whole, keep);
+  Tree part = without_thin_wood(whole, options.visible_share * reference_radius(whole));
   assign_axes_by_thickness(part);
   const std::vector<Axis> axes = axes_of(part);
-  keep.assign(part.size(), 1);
+  std::vector<char> keep(part.size(), 1);
   for (std::size_t i = 0; i < part.size(); ++i) {
     const Axis& axis = axes[static_cast<std::size_t>(part.axis[i])];
     const bool parent_kept = part.parent[i] < 0 || keep[static_cast<std::size_t>(part.parent[i])];

@@ -42,6 +42,9 @@ std::size_t comparison_level(const Tree& tree, ObservedFrom from);
 /// part), wood thinner than the visible share dropped with all beyond it, short axes dropped.
 Tree comparable_tree(const Tree& tree, const DescribeOptions& options);
 
+/// The tree without wood whose radius is below `radius_m`, and all beyond it; roots stay.
+Tree without_thin_wood(const Tree& tree, double radius_m);
+
 /// What a row's function may look at; computed once a tree.
 struct DescriptorInput;
 

@@ -3,6 +3,7 @@
 
 #include "core/errors.h"
 #include "core/metrics.h"
+#include "core/tree_topology.h"
 #include "fit/descriptor_input.h"
 
 #include <algorithm>
@@ -26,11 +27,15 @@ double scale_for(double height_m) {
   return kSeries.back();
 }
 
-DirectEstimates estimate_directly(const Tree& tree, std::optional<double> internode_length_m) {
+DirectEstimates estimate_directly(const Tree& observed, std::optional<double> internode_length_m) {
+  Tree tree = observed;
+  assign_axes_by_thickness(tree);
   const TreeMetrics metrics = measure(tree);
   DirectEstimates direct;
   direct.height_m = metrics.height_m;
   direct.dbh_m = metrics.dbh_m;
+  direct.total_volume_m3 = metrics.total_volume_m3;
+  direct.crown_diameter_m = metrics.crown_diameter_m;
   direct.reference_radius_m = reference_radius(tree);
   direct.internode_length_m = internode_length_m.value_or(scale_for(metrics.height_m));
   require(std::isfinite(direct.internode_length_m) && direct.internode_length_m > 0, "internode_length_m",

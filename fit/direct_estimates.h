@@ -13,6 +13,8 @@ struct DirectEstimates {
   double height_m = 0;
   double size_internodes = 0;  ///< height in internodes: what Xm must at least allow
   std::optional<double> dbh_m;
+  double total_volume_m3 = 0;
+  double crown_diameter_m = 0;
   double reference_radius_m = 0;           ///< of the stem at a tenth of the height
   double pipe_exponent = 2.6;              ///< v of the pipe model from the tree's own forks
   int forks = 0;                           ///< how many forks told it; fewer than 10: the default stands
@@ -25,7 +27,7 @@ struct DirectEstimates {
 /// tree at least 55 internodes of height: 0.1 m, as in the paper, for trees of 5.5 to 8.2 m.
 double scale_for(double height_m);
 
-/// Throws InputError for an empty tree. `internode_length_m`: taken as given instead of scale_for(height).
-DirectEstimates estimate_directly(const Tree& tree, std::optional<double> internode_length_m = {});
+/// Of the tree with its stem laid along the thickest wood. Throws InputError for an empty tree. `internode_length_m`: taken as given instead of scale_for(height).
+DirectEstimates estimate_directly(const Tree& observed, std::optional<double> internode_length_m = {});
 
 }  // namespace dendrofit

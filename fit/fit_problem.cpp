@@ -2,11 +2,14 @@
 #include "fit/fit_problem.h"
 
 #include "core/errors.h"
+#include "core/metrics.h"
+#include "core/parallel.h"
 #include "core/random.h"
 #include "fit/growth_fit.h"
 #include "forward/growth_equations.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -17,6 +20,7 @@ namespace dendrofit {
 namespace {
 
 constexpr int kMostDraws = 240;
+constexpr int kCutTrees = 8;
 constexpr double kOldestYearly = 26;  // older trees: a cycle is several years
 constexpr double kCyclesOfOldTrees = 24;
 constexpr double kExactShare = 0.1;  // of a scan's error: what is left of it where the tree is known
@@ -157,9 +161,11 @@ bool FitProblem::out_of_time(const SimulationLog& log) const {
 
 FitProblem pose(const Tree& observed, const FitOptions& options) {
   const std::optional<double> age = age_of(options);
-  const DirectEstimates direct = estimate_directly(observed, options.internode_length_m);
-  FitProblem problem{
-      options, {direct, {}, options.observe, options.seed, options.threads}, SearchSpace(options.equation)};
+  DirectEstimates direct = estimate_directly(observed, options.internode_length_m);
+  if (options.dbh_m) direct.dbh_m = options.dbh_m;
+  FitProblem problem{options,
+                     {direct, {}, options.observe, options.thinnest_wood_m, options.seed, options.threads},
+                     SearchSpace(options.equation)};
   problem.years_per_cycle = years_per_cycle(age);
   problem.space.set_internode_length(direct.internode_length_m);
   if (age) problem.space.fix("cycles", std::max(1.0, std::round(*age / problem.years_per_cycle)));
@@ -193,6 +199,7 @@ std::uint64_t identity(const FitProblem& problem) {
   digest.add(static_cast<double>(o.seed >> 32)).add(static_cast<double>(o.seed & 0xffffffff));
   digest.add(problem.setting.observed.internode_length_m).add(problem.setting.observed.dbh_m.value_or(-1));
   digest.add(o.bank ? static_cast<double>(o.bank->size()) : -1).add(o.observe ? 1 : 0);
+  digest.add(o.thinnest_wood_m.value_or(-1));
   for (const SpeciesEstimate& e : o.species) digest.add(e.key).add(e.unit).add(e.error);
   for (const auto& [key, unit] : o.held) digest.add(key).add(unit);
   for (const double v :
@@ -223,6 +230,23 @@ PriorInformation prior_information(FitProblem& problem, SimulationLog& log, Prog
   add_known(problem, prior);
   add_species(problem, prior);
   return prior;
+}
+
+Observation as_whole(const FitProblem& problem, const Observation& observation, const Eigen::VectorXd& centre,
+                     Progress& progress) {
+  const IgmParameters parameters = problem.space.at(centre);
+  std::array<double, kCutTrees> lost{};
+  parallel_blocks(lost.size(), 1, problem.options.threads, [&](std::size_t s, std::size_t) {
+    progress.check();
+    const std::uint64_t seed = simulation_seed(problem.options.seed, kCutKeys, static_cast<int>(s));
+    const Tree whole = regrow(parameters, problem.setting.observed, seed, no_progress()).tree;
+    lost[s] = std::log(measure(whole).height_m / measure(as_observed(whole, problem.setting)).height_m);
+  });
+  double mean = 0;
+  for (const double l : lost) mean += std::isfinite(l) ? l / kCutTrees : 0;
+  Observation corrected = observation;
+  corrected.descriptors[static_cast<Eigen::Index>(descriptor_row("internodes"))] += mean;
+  return corrected;
 }
 
 std::vector<EquationEvidence> equation_evidence(const PosteriorSample& posterior,

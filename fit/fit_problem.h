@@ -24,6 +24,7 @@ inline constexpr std::uint64_t kSearchKeys = 1'000'000;
 inline constexpr std::uint64_t kJudgingKeys = 2'000'000;
 inline constexpr std::uint64_t kNoiseKeys = 3'000'000;
 inline constexpr std::uint64_t kPosteriorKeys = 4'000'000;
+inline constexpr std::uint64_t kCutKeys = 5'000'000;
 
 struct FitProblem {
   const FitOptions& options;
@@ -61,6 +62,11 @@ struct PriorInformation {
 /// From the bank where there is one that fits the model and the tree, else up to half the budget is spent on
 /// new ones (and `problem.space` narrowed to the tree's size); why is said in problem.warnings.
 PriorInformation prior_information(FitProblem& problem, SimulationLog& log, Progress& progress);
+
+/// The observation as the bank's whole trees would be seen: of a tree that lacks its thin wood, the height
+/// with what trees at `centre` lose of theirs to the same cut, on average.
+Observation as_whole(const FitProblem& problem, const Observation& observation, const Eigen::VectorXd& centre,
+                     Progress& progress);
 
 /// Probabilities and evidence of the growth equations under a posterior from the bank.
 std::vector<EquationEvidence> equation_evidence(const PosteriorSample& posterior,

@@ -22,20 +22,11 @@ constexpr std::size_t kNearestDraws = 8;  // of the prior's simulations compete 
 constexpr double kNearKnown = 0.1;        // of a known coordinate's range
 constexpr double kBesideStart = 0.05;     // of a coordinate's range is searched beside the start at least
 constexpr double kLeastDeviation = 0.03;  // of the posterior, in coordinates' ranges
-constexpr int kShowingSeeds = 16;         // the nearest tree of so many is shown
 constexpr std::array kNeverSearched = {"shape", "pipe_exponent", "tip_share", "tau",
                                        "alpha", "sigma",         "b_min",     "b_rise"};
 
 /// sd of a uniform prior on the unit interval
 const double kUniform = 1 / std::sqrt(12.0);
-
-/// Row of the simulation nearest to the observed tree.
-int nearest_simulation(const Eigen::MatrixXd& simulations, const NoiseMetric& metric) {
-  int best = 0;
-  for (int i = 1; i < simulations.rows(); ++i)
-    if (metric.cost(simulations.row(i)) < metric.cost(simulations.row(best))) best = i;
-  return best;
-}
 
 /// Points of the simulations of the prior that come nearest, of the equation and the known coordinates
 /// searched for; what the search holds is held in them.
@@ -83,6 +74,15 @@ Eigen::VectorXd SearchBox::inner(const Eigen::VectorXd& full) const {
   return point;
 }
 
+PosteriorSample first_posterior(const FitProblem& problem, const PriorInformation& prior,
+                                Progress& progress) {
+  PosteriorSample posterior = regression_posterior(prior.simulations, prior.observation);
+  if (!prior.from_bank || !problem.options.thinnest_wood_m || posterior.is_prior) return posterior;
+  return regression_posterior(
+      prior.simulations,
+      as_whole(problem, prior.observation, search_box(problem, posterior).elsewhere, progress));
+}
+
 SearchBox search_box(const FitProblem& problem, const PosteriorSample& posterior) {
   SearchBox box;
   box.elsewhere = Eigen::VectorXd::Constant(problem.space.size(), 0.5);
@@ -121,7 +121,7 @@ SearchBox search_box(const FitProblem& problem, const PosteriorSample& posterior
 }
 
 double SearchBox::improbability(const Eigen::VectorXd& point) const {
-  return ((point - centre).array() / deviation.array()).unaryExpr(&huber).sum();
+  return ((point - centre).array() / deviation.array()).unaryExpr(&huber).sum() / doubt;
 }
 
 double search_cost(double distance, const Eigen::VectorXd& point, const SearchBox& box,
@@ -139,7 +139,7 @@ void SearchBox::start_at(const Eigen::VectorXd& point) {
 }
 
 Eigen::VectorXd best_start(const FitProblem& problem, const PriorInformation& prior,
-                           const NoiseMetric& metric, const SearchBox& box, SimulationLog& log,
+                           const NoiseMetric& metric, SearchBox& box, SimulationLog& log,
                            std::vector<Tried>& tried, TreeFit& fit, Progress& progress) {
   const auto left = static_cast<std::size_t>(std::max(0, problem.options.evaluations - fit.evaluations));
   UnitPoints starts = {box.elsewhere};
@@ -150,6 +150,12 @@ Eigen::VectorXd best_start(const FitProblem& problem, const PriorInformation& pr
   const auto key = kSearchKeys + static_cast<std::uint64_t>(fit.evaluations);
   const Eigen::MatrixXd rows = problem.run(starts, problem.options.seeds, key, log, progress);
   progress.end();
+  double nearest = HUGE_VAL;
+  for (std::size_t p = 0; p < starts.size(); ++p)
+    nearest =
+        std::min(nearest, metric.cost(rows.middleRows(static_cast<Eigen::Index>(p) * problem.options.seeds,
+                                                      problem.options.seeds)));
+  box.doubt = std::max(1.0, nearest * nearest);
   const std::vector<double> costs = note(starts, rows, problem.options.seeds, metric, box, tried, fit);
   return starts[static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) - costs.begin())];
 }
@@ -213,29 +219,6 @@ Judged judge(const FitProblem& problem, const NoiseMetric& metric, const SearchB
     if (i == 0 || cost < best.cost)
       best = {finalists[i], own, distance, cost, first_key + i, problem.setting.observed.internode_length_m};
   }
-  return best;
-}
-
-Judged settle_scale(const FitProblem& problem, const NoiseMetric& metric, Judged best, SimulationLog& log,
-                    Progress& progress) {
-  progress.begin("choosing the tree to show", 1, "set");
-  const Eigen::MatrixXd grown = problem.run({best.point}, kShowingSeeds, best.key, log, progress);
-  progress.end();
-  best.shown = nearest_simulation(grown, metric);
-  if (problem.options.internode_length_m) return best;
-  const auto internodes = static_cast<Eigen::Index>(descriptor_row("internodes"));
-  const DirectEstimates& direct = problem.setting.observed;
-  const double ratio =
-      std::clamp(direct.size_internodes / std::exp(grown(best.shown, internodes)), 0.25, 4.0);
-  if (!std::isfinite(ratio)) return best;
-  // Shapes do not depend on the internode length, but the diameter at 1.3 m, and so the radii, do.
-  FitProblem scaled = problem;
-  scaled.space.set_internode_length(direct.internode_length_m * ratio);
-  SimulationLog own(0);  // other trees under the same keys
-  best.simulations = scaled.run({best.point}, kJudgingSeeds, best.key, own, progress);
-  best.simulations.col(internodes).array() += std::log(ratio);  // counted in the convention's internodes
-  best.distance = metric.cost(best.simulations);
-  best.internode_length_m = direct.internode_length_m * ratio;
   return best;
 }
 

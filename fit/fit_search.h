@@ -19,15 +19,21 @@ struct SearchBox {
   Eigen::VectorXd elsewhere;          ///< the whole point
   Eigen::VectorXd centre, deviation;  ///< of the posterior, whole points; deviation infinite where not
                                       ///< searched for, or without a posterior
+  /// How much less the posterior is believed, in variances: above 1 where even the best start is farther from
+  /// the observed tree than other seeds of one tree are, and the model, with it the posterior, so much off.
+  double doubt = 1;
 
   Eigen::VectorXd full(const Eigen::VectorXd& inner) const;
   Eigen::VectorXd inner(const Eigen::VectorXd& full) const;
   /// Makes `point` the centre, and the ranges wide enough to hold it.
   void start_at(const Eigen::VectorXd& point);
   /// Sum over the coordinates of their squared distances from the posterior's centre in its deviations,
-  /// beyond 3 of them going on linearly.
+  /// beyond 3 of them going on linearly; over `doubt`.
   double improbability(const Eigen::VectorXd& point) const;
 };
+
+/// What the simulations of the prior say of the observed tree (of the bank's whole trees, as_whole()).
+PosteriorSample first_posterior(const FitProblem& problem, const PriorInformation& prior, Progress& progress);
 
 SearchBox search_box(const FitProblem& problem, const PosteriorSample& posterior);
 
@@ -52,7 +58,7 @@ struct Judged {
   double cost = 0;  ///< search_cost()
   std::uint64_t key = 0;
   double internode_length_m = 0;
-  int shown = 0;  ///< the seed whose tree is nearest to the observed one, before its scale was settled
+  int shown = 0;  ///< the seed whose tree is shown
 };
 
 inline constexpr int kJudgingSeeds = 8;
@@ -63,9 +69,9 @@ std::vector<double> note(const UnitPoints& points, const Eigen::MatrixXd& rows, 
                          TreeFit& fit);
 
 /// Where to start: the posterior's centre, or one of the simulations of the prior nearest to the observed
-/// tree, whichever fresh seeds find nearer.
+/// tree, whichever fresh seeds find nearer. Their distances set the box's doubt.
 Eigen::VectorXd best_start(const FitProblem& problem, const PriorInformation& prior,
-                           const NoiseMetric& metric, const SearchBox& box, SimulationLog& log,
+                           const NoiseMetric& metric, SearchBox& box, SimulationLog& log,
                            std::vector<Tried>& tried, TreeFit& fit, Progress& progress);
 
 /// CMA-ES from the box's centre until the budget, the time or the search itself ends; the centre it reached.
@@ -76,10 +82,14 @@ Eigen::VectorXd search(const FitProblem& problem, const NoiseMetric& metric, con
 Judged judge(const FitProblem& problem, const NoiseMetric& metric, const SearchBox& box, UnitPoints finalists,
              std::vector<Tried> tried, std::uint64_t first_key, SimulationLog& log, Progress& progress);
 
-/// Which of some more seeds grows the nearest tree. And as the internode length is a convention unless it was
-/// given, and a scan's height is known to a hundredth: the one that gives that tree the observed height.
-Judged settle_scale(const FitProblem& problem, const NoiseMetric& metric, Judged best, SimulationLog& log,
-                    Progress& progress);
+/// The end of the search as what is shown. Measures that a forester takes from a scan are met as far as
+/// freely chosen quantities allow: the internode length, a convention unless it was given, by the observed
+/// height; the pipe exponent, which bears on radii alone, by the wood volume (and the diameter, where tip
+/// radii are at their limit), weighed against what the posterior says of it; and of some more seeds' trees
+/// the one is shown that is nearest in the descriptors, height, volume and crown diameter together.
+/// (settle_tree.cpp)
+Judged settle_tree(const FitProblem& problem, const NoiseMetric& metric, const SearchBox& box, Judged best,
+                   Progress& progress);
 
 /// Mean distance of each of the trees from the others: what no parameter set can get below.
 double seed_floor(const Eigen::MatrixXd& simulations, const NoiseMetric& metric);

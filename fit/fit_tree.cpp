@@ -84,6 +84,10 @@ void FitOptions::validate() const {
   if (internode_length_m)
     require(std::isfinite(*internode_length_m) && *internode_length_m > 0, "internode_length_m",
             *internode_length_m, "must be positive");
+  if (dbh_m) require(std::isfinite(*dbh_m) && *dbh_m > 0, "dbh_m", *dbh_m, "must be positive");
+  if (thinnest_wood_m)
+    require(std::isfinite(*thinnest_wood_m) && *thinnest_wood_m > 0, "thinnest_wood_m", *thinnest_wood_m,
+            "must be positive");
   if (heights && heights->time.empty()) throw InputError("heights: no measurement");
 }
 
@@ -104,7 +108,7 @@ TreeFit fit_tree(const Tree& observed, const FitOptions& options, Progress& prog
 
   // What simulations of the prior say.
   const PriorInformation prior = prior_information(problem, log, progress);
-  const PosteriorSample posterior = regression_posterior(prior.simulations, prior.observation);
+  const PosteriorSample posterior = first_posterior(problem, prior, progress);
   fit.used_bank = prior.from_bank;
   fit.prior_simulations = static_cast<int>(prior.simulations.unit.rows());
   fit.evidence = equation_evidence(posterior, prior.simulations);
@@ -122,7 +126,7 @@ TreeFit fit_tree(const Tree& observed, const FitOptions& options, Progress& prog
   const Eigen::MatrixXd before = problem.run({Eigen::VectorXd::Constant(problem.space.size(), 0.5)},
                                              kJudgingSeeds, kJudgingKeys, log, progress);
   Judged best = judge_ends(problem, metric, box, found, tried, log, fit, progress);
-  best = settle_scale(problem, metric, std::move(best), log, progress);
+  best = settle_tree(problem, metric, box, std::move(best), progress);
 
   SearchSpace space = problem.space;
   space.set_internode_length(best.internode_length_m);

@@ -40,6 +40,10 @@ struct FitOptions {
   std::optional<double> internode_length_m;  ///< none: by the tree's height (scale_for)
   std::string equation = "logistic";         ///< logistic, bertalanffy or weibull
   ObservedFrom observed_from = ObservedFrom::scan;
+  std::optional<double> dbh_m;  ///< measured on the scan; none: the observed tree's own
+  /// Radius below which wood is missing from the observed tree (a model that was cut there), and with it some
+  /// of its height: grown trees are cut alike. None: the observed tree is whole.
+  std::optional<double> thinnest_wood_m;
   int seeds = 2;  ///< simulations averaged for each parameter set
   std::uint64_t seed = 1;
   int threads = 0;

@@ -58,8 +58,9 @@ class ImprobabilityResidual : public ceres::CostFunction {
     set_num_residuals(1);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(box.rows.size()));
     const Eigen::Index row = box.rows[static_cast<std::size_t>(coordinate)];
-    slope_ = (box.hi[coordinate] - box.lo[coordinate]) / box.deviation[row];
-    offset_ = (box.lo[coordinate] - box.centre[row]) / box.deviation[row];
+    const double deviation = box.deviation[row] * std::sqrt(box.doubt);
+    slope_ = (box.hi[coordinate] - box.lo[coordinate]) / deviation;
+    offset_ = (box.lo[coordinate] - box.centre[row]) / deviation;
   }
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     residuals[0] = offset_ + slope_ * parameters[0][coordinate_];

@@ -18,27 +18,34 @@ namespace {
 // poles pass.
 constexpr double kThinnestTip = 0.003;
 constexpr double kThickestTip = 0.06;
-/// By what the regrown tree's radii must be multiplied.
-double diameter_ratio(const Tree& tree, const DirectEstimates& observed) {
+
+}  // namespace
+
+ComparedDiameters compared_diameters(const Tree& grown, const DirectEstimates& observed) {
   if (observed.dbh_m)
-    if (const auto dbh = stem_diameter(tree, 1.3)) return *observed.dbh_m / *dbh;
-  return observed.reference_radius_m / reference_radius(tree);
+    if (const auto dbh = stem_diameter(grown, 1.3)) return {*dbh, *observed.dbh_m};
+  return {2 * reference_radius(grown), 2 * observed.reference_radius_m};
 }
 
-std::vector<double> simulated(const IgmParameters& parameters, const SimulationSetting& setting,
-                              std::uint64_t key) {
-  Tree tree = regrow(parameters, setting.observed, key, no_progress()).tree;
+double possible_tip_radius(double wanted_m, double internode_length_m) {
+  return std::clamp(wanted_m, kThinnestTip * internode_length_m, kThickestTip * internode_length_m);
+}
+
+std::vector<double> describe_as_observed(const Tree& grown, double internode_length_m,
+                                         const SimulationSetting& setting, std::uint64_t seed) {
   DescribeOptions comparison = setting.comparison;
-  comparison.internode_length_m = parameters.rho_m;
-  if (!setting.observe) return describe(tree, comparison);
+  comparison.internode_length_m = internode_length_m;
+  if (!setting.observe) return describe(as_observed(grown, setting), comparison);
   try {
-    return describe(setting.observe(tree, key), comparison);
+    return describe(setting.observe(grown, seed), comparison);
   } catch (const SolverError&) {  // the observer finds no tree: nothing to compare
     return std::vector<double>(descriptor_table().size(), std::numeric_limits<double>::quiet_NaN());
   }
 }
 
-}  // namespace
+Tree as_observed(const Tree& grown, const SimulationSetting& setting) {
+  return setting.thinnest_wood_m ? without_thin_wood(grown, *setting.thinnest_wood_m) : grown;
+}
 
 std::uint64_t simulation_seed(std::uint64_t seed, std::uint64_t key, int s) {
   return Random(seed).child({key, static_cast<std::uint64_t>(s)}).bits();
@@ -53,8 +60,9 @@ Regrown regrow(const IgmParameters& parameters, const DirectEstimates& observed,
   // A stem is what is thickest, also where the model's leader died and a branch took over.
   assign_axes_by_thickness(grown.tree);
   // Pipe-model radii are proportional to the tip radius, so one growth serves every tip radius.
-  grown.tip_radius_m = std::clamp(parameters.tip_radius_m * diameter_ratio(grown.tree, observed),
-                                  kThinnestTip * parameters.rho_m, kThickestTip * parameters.rho_m);
+  const ComparedDiameters diameters = compared_diameters(grown.tree, observed);
+  grown.tip_radius_m =
+      possible_tip_radius(parameters.tip_radius_m * diameters.observed / diameters.grown, parameters.rho_m);
   const double scale = grown.tip_radius_m / parameters.tip_radius_m;
   for (double& radius : grown.tree.radius) radius *= scale;
   return grown;
@@ -73,7 +81,11 @@ Eigen::MatrixXd simulate(const std::vector<Eigen::VectorXd>& points, const Searc
   }
   parallel_blocks(count, 1, setting.threads, [&](std::size_t i, std::size_t) {
     progress.check();
-    if (rows[i].empty()) rows[i] = simulated(space.at(points[i / per_point]), setting, keys[i]);
+    if (rows[i].empty()) {
+      const IgmParameters parameters = space.at(points[i / per_point]);
+      const Tree tree = regrow(parameters, setting.observed, keys[i], no_progress()).tree;
+      rows[i] = describe_as_observed(tree, parameters.rho_m, setting, keys[i]);
+    }
     progress.advance(1.0 / static_cast<double>(per_point));
   });
   Eigen::MatrixXd all(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(descriptor_table().size()));

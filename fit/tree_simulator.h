@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -26,6 +27,16 @@ struct Regrown {
 Regrown regrow(const IgmParameters& parameters, const DirectEstimates& observed, std::uint64_t seed,
                Progress& progress);
 
+/// Stem diameters of a grown tree and the observed one at the same height: at 1.3 m, or at a tenth of each
+/// tree's height where either is lower than that.
+struct ComparedDiameters {
+  double grown = 0, observed = 0;
+};
+ComparedDiameters compared_diameters(const Tree& grown, const DirectEstimates& observed);
+
+/// The wanted tip radius as far as regrow() allows it.
+double possible_tip_radius(double wanted_m, double internode_length_m);
+
 /// What an observer makes of a grown tree (a virtual scan and its reconstruction); the seed is the growth's.
 using ObserveTree = std::function<Tree(const Tree& grown, std::uint64_t seed)>;
 
@@ -33,10 +44,18 @@ using ObserveTree = std::function<Tree(const Tree& grown, std::uint64_t seed)>;
 struct SimulationSetting {
   DirectEstimates observed;
   DescribeOptions comparison;
-  ObserveTree observe;  ///< none: trees are compared as grown
+  ObserveTree observe;                    ///< none: trees are compared as grown
+  std::optional<double> thinnest_wood_m;  ///< thinner wood is dropped before trees are compared
   std::uint64_t seed = 1;
   int threads = 0;
 };
+
+/// The part of a grown tree that the observed one shows, as far as `setting.thinnest_wood_m` tells.
+Tree as_observed(const Tree& grown, const SimulationSetting& setting);
+
+/// Descriptors of a grown tree as `setting` lets it be seen; NaN all where the observer finds none.
+std::vector<double> describe_as_observed(const Tree& grown, double internode_length_m,
+                                         const SimulationSetting& setting, std::uint64_t seed);
 
 /// Descriptors of `seeds` trees for each point of the unit box, one row a simulation (NaN where a tree lacks
 /// something, or where `observe` finds none), point after point. Simulation s of point p is keyed (seed,
