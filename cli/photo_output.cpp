@@ -53,6 +53,7 @@ std::string photo_reconstruction_json(const PhotoReconstruction& r) {
                      {"unit", r.metric ? "m" : "tree heights"},
                      {"scale_from", r.frame.scale_source},
                      {"scale_error", r.frame.scale_error},
+                     {"top_lead", r.frame.top_lead},
                      {"distance", r.frame.distance_m},
                      {"known_camera", r.frame.known_camera},
                      {"foot", {r.tree.origin_shift.x(), r.tree.origin_shift.y(), r.tree.origin_shift.z()}},

@@ -68,7 +68,8 @@ void PhotoSettings::declare(OptionTable& table) {
   table.path("--cameras", cameras, "Photographs with cameras: cameras.json");
   table.path("--colmap", colmap, "Photographs with cameras: folder of a COLMAP text model");
   table.number("--eye-height", eye_height_m, Quantity::length,
-               "Of the camera over the foot, where one view with a camera has no other scale");
+               "Of the camera over the foot: the scale where one view with a camera has no other, a hint "
+               "beside --height");
 }
 
 bool PhotoSettings::asked_for(const std::filesystem::path& input) const {

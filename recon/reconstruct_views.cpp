@@ -183,6 +183,7 @@ ViewsReconstruction reconstruct_views(const ViewSet& set, const ViewsOptions& op
   }
   check_depth(work.cameras, work.outlines);
   warn_of_borders(set, work.outlines, result.model.warnings);
+  excuse_lost_feet(set, work.cameras, work.outlines, result.model.warnings);
 
   const double pose_error = options.pose_error_px.value_or(set.pose_error_px.value_or(0));
   const CarveOptions carving{.cell_m = carving_cell_m(work.cameras, work.outlines),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "recon/image/boughs.h"
 
+#include "recon/image/bough_gaps.h"
 #include "recon/image/distance.h"
 
 #include <algorithm>
@@ -22,7 +23,9 @@ constexpr float kEdge = 1.5;     // pixels about what is surely bark
 constexpr float kFringe = 4;     // pixels beyond known wood that a bough must reach
 constexpr int kGridStep = 12;    // columns between places where the surroundings are told
 constexpr float kSure = 1.5;     // times nearer to the bark's hue than to the surroundings'
-constexpr std::uint8_t kOther = 0, kMaybe = 1, kBark = 2;
+constexpr std::uint8_t kOther = 0, kFaint = 1, kMaybe = 2, kBark = 3;
+constexpr float kFaintShare = 0.5F;     // of what a pixel must be off, where it leads from bough to bough
+constexpr int kGapShare = 150;          // of the picture's height: a gap so led over, at most
 constexpr int kCrest = 2;               // rows about the horizon
 constexpr std::size_t kFewest = 8;      // of these
 constexpr float kBesideCrown = 0.2F;    // of the tree's width so far: boughs reach no farther to the side
@@ -141,7 +144,8 @@ std::vector<Behind> behind_row(const std::vector<Colour>& row, const std::vector
   return result;
 }
 
-/// Pixels below the horizon: of the bark's hue (kBark), rather of that than of their surroundings' (kMaybe).
+/// Pixels below the horizon: of the bark's hue (kBark), rather of that than of their surroundings' (kMaybe),
+/// somewhat so (kFaint).
 std::vector<std::uint8_t> bark_hued(const Photograph& photo, const SkyRatio& sky,
                                     const std::vector<std::uint8_t>& tree, const Colour& bark) {
   std::vector<std::uint8_t> hued(tree.size(), 0), other(static_cast<std::size_t>(photo.width));
@@ -175,7 +179,9 @@ std::vector<std::uint8_t> bark_hued(const Photograph& photo, const SkyRatio& sky
         const float own = off_shades(c, bark);
         const bool is = below >= -kCrest && limit >= 0 && off >= limit && off >= own &&
                         (below > kCrest || c.sum() <= 1.15F * std::max(bark.sum(), b.colour.sum()));
-        hued[photo.pixel(x, y)] = static_cast<std::uint8_t>(!is                  ? kOther
+        const bool faint =
+            below >= -kCrest && limit >= 0 && off >= kFaintShare * limit && off >= kFaintShare * own;
+        hued[photo.pixel(x, y)] = static_cast<std::uint8_t>(!is                  ? (faint ? kFaint : kOther)
                                                             : off >= kSure * own ? kBark
                                                                                  : kMaybe);
         other[column] = other[column] || is;
@@ -190,7 +196,7 @@ std::vector<std::uint8_t> sure_of(const std::vector<std::uint8_t>& hued, int wid
   std::vector<std::uint8_t> sure(hued.size());
   for (std::size_t p = 0; p < hued.size(); ++p) sure[p] = hued[p] == kBark;
   const std::vector<float> beyond = distance_outside(sure, width, height);
-  for (std::size_t p = 0; p < hued.size(); ++p) sure[p] = hued[p] != kOther && beyond[p] <= kEdge;
+  for (std::size_t p = 0; p < hued.size(); ++p) sure[p] = hued[p] >= kMaybe && beyond[p] <= kEdge;
   return sure;
 }
 
@@ -255,12 +261,14 @@ std::size_t grow_boughs(const Photograph& photo, const SkyRatio& sky, std::vecto
   // Where boughs part they are one piece, wider than the stem below.
   const float most = std::max(1.5F * *std::max_element(inside.begin(), inside.end()),
                               kForkWidths * bearing_half_width(sky, tree));
-  const std::vector<std::uint8_t> hued =
-      sure_of(bark_hued(photo, sky, tree, *bark), photo.width, photo.height);
+  const std::vector<std::uint8_t> hued = bark_hued(photo, sky, tree, *bark);
+  const std::vector<std::uint8_t> sure = sure_of(hued, photo.width, photo.height);
   // Pieces that touch only what was just added are reached by a second look.
   std::size_t added = 0;
   for (int round = 0; round < 4; ++round) {
-    const std::size_t now = add_touching(hued, photo.width, photo.height, most, tree);
+    const std::size_t now =
+        add_touching(sure, photo.width, photo.height, most, tree) +
+        bridge_gaps(sure, hued, photo.width, photo.height, std::max(6, photo.height / kGapShare), tree);
     added += now;
     if (now == 0) break;
   }

@@ -13,6 +13,7 @@ namespace dendrofit {
 namespace {
 
 constexpr double kLeastContrast = 8;       ///< grey levels: a stem's colour differs from the ground's by more
+constexpr double kLeastSeen = 1.0 / 3;     ///< of a stem's rows; more carried on is a guess
 constexpr double kOfUsualContrast = 0.35;  ///< and by more than this share of what most of its rows do
 
 /// The strip at half size, and where it lies.
@@ -186,6 +187,7 @@ int follow_stem_down(const Photograph& photo, const StemCrossing& stem, std::vec
   double usual = width, at = middle, lean = stem.slope;
   const int patience = std::max(8 * width, photo.height / 20);
   int foot = stem.row;
+  std::size_t seen_rows = 0;
   Colour bark = bark_of(photo, {stem.row, stem.first, stem.last});
   std::vector<StemRow> rows;
   for (int row = stem.row + 1; row < photo.height && row - foot <= patience; ++row) {
@@ -210,6 +212,7 @@ int follow_stem_down(const Photograph& photo, const StemCrossing& stem, std::vec
       at += 0.3 * (centre - at);
       usual += 0.05 * (run - usual);
       rows.push_back({row, best_first, best_last});
+      ++seen_rows;
       bark += 0.05 * (bark_of(photo, rows.back()) - bark);
       foot = row;
     } else {
@@ -219,6 +222,7 @@ int follow_stem_down(const Photograph& photo, const StemCrossing& stem, std::vec
     }
   }
   while (!rows.empty() && rows.back().row > foot) rows.pop_back();
+  if (static_cast<double>(seen_rows) < kLeastSeen * static_cast<double>(rows.size())) return stem.row;
   surroundings.settle(rows);
   straighten(rows);
   drop_beyond_foot(photo, rows);

@@ -30,6 +30,7 @@ Outline::Outline(const std::vector<std::uint8_t>& mask, int width, int height,
     for (int x = 0; x < width; ++x) {
       if (mask[index(x, y)] == 0) continue;
       ++area_px_;
+      lowest_row_ = y;
       sum += Eigen::Vector2d(x + 0.5, y + 0.5);
       touches_top_ = touches_top_ || y == 0;
       touches_bottom_ = touches_bottom_ || y == height - 1;

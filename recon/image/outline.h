@@ -27,11 +27,17 @@ class Outline {
   bool knows_cover() const { return !cover_.empty(); }
   /// Share that wood covers at a pixel, bilinear; needs knows_cover().
   double cover_at(const Eigen::Vector2d& pixel) const;
-  /// Whether the pixel lies beyond a side of the frame that the mask touches: the tree may go on there.
+  /// Whether the pixel lies beyond a side of the frame that the mask touches, or below what the view tells:
+  /// the tree may go on there.
   bool unknown(const Eigen::Vector2d& pixel) const {
     return (touches_left_ && pixel.x() < 0) || (touches_right_ && pixel.x() > width_) ||
-           (touches_top_ && pixel.y() < 0) || (touches_bottom_ && pixel.y() > height_);
+           (touches_top_ && pixel.y() < 0) || (touches_bottom_ && pixel.y() > height_) ||
+           pixel.y() > told_to_;
   }
+  /// The view says nothing below this row (its stem is lost there).
+  void tell_nothing_below(int row) { told_to_ = row; }
+  /// Last row with a pixel of the mask, -1 without any.
+  int lowest_row() const { return lowest_row_; }
   bool inside(int column, int row) const { return distance_[index(column, row)] < 0; }
   std::size_t area_px() const { return area_px_; }
   /// Middle of the mask's pixels and the largest distance of one from there; area_px() > 0.
@@ -56,6 +62,8 @@ class Outline {
   std::size_t area_px_ = 0;
   Eigen::Vector2d middle_ = Eigen::Vector2d::Zero();
   double reach_px_ = 0;
+  int lowest_row_ = -1;
+  double told_to_ = 1e9;
   bool touches_top_ = false, touches_bottom_ = false, touches_left_ = false, touches_right_ = false;
 };
 

@@ -5,6 +5,7 @@
 #include "core/parallel.h"
 #include "core/tree_topology.h"
 #include "recon/image/cover.h"
+#include "recon/image/foot.h"
 #include "recon/image/segmentation.h"
 #include "recon/intervals.h"
 
@@ -105,6 +106,28 @@ void warn_of_borders(const ViewSet& set, const std::vector<Outline>& outlines,
         (2 * tops > outlines.size() ? ": height is a lower bound" : ": these views say nothing above it"));
   if (!sides.empty())
     warnings.push_back("tree touches a side border in " + sides + ": these views say nothing beyond it");
+}
+
+void excuse_lost_feet(const ViewSet& set, const std::vector<Camera>& cameras, std::vector<Outline>& outlines,
+                      std::vector<std::string>& warnings) {
+  constexpr double kLeastPx = 6;  // above the foot's lower rim
+  const std::optional<MaskFoot> foot = foot_of_masks(cameras, outlines);
+  if (!foot) return;
+  std::string lost;
+  for (std::size_t v = 0; v < outlines.size(); ++v) {
+    const auto pixel = cameras[v].project(foot->position);
+    if (!pixel || !outlines[v].holds(*pixel)) continue;
+    const double radius_px = foot->radius_m * cameras[v].fx / cameras[v].depth(foot->position);
+    const int lowest = outlines[v].lowest_row();
+    if (lowest + 1 > pixel->y() - std::max(kLeastPx, 2 * radius_px)) continue;
+    outlines[v].tell_nothing_below(lowest);
+    lost += (lost.empty() ? "" : ", ") + name_of(set, v);
+  }
+  if (!lost.empty())
+    warnings.push_back(
+        "the stem is lost above its foot in " + lost +
+        ": what lies below comes from the other views; give these views a mask (\"mask\" in the "
+        "cameras file)");
 }
 
 std::string odd_view_warning(const ViewSet& set, std::size_t view, double explained, double missing) {

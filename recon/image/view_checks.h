@@ -26,6 +26,11 @@ Outline outline_of(const View& view, std::vector<std::string>& warnings);
 void warn_of_borders(const ViewSet& set, const std::vector<Outline>& outlines,
                      std::vector<std::string>& warnings);
 
+/// Where the views' feet agree (foot.h), one whose mask ends above them has lost its stem: it is made to say
+/// nothing below what it shows, and named in a warning.
+void excuse_lost_feet(const ViewSet& set, const std::vector<Camera>& cameras, std::vector<Outline>& outlines,
+                      std::vector<std::string>& warnings);
+
 std::string odd_view_warning(const ViewSet& set, std::size_t view, double explained, double missing);
 std::string coarse_warning(double cell_m);
 std::string disagreement_warning(const ViewSet& set, const std::vector<std::size_t>& views,

@@ -101,6 +101,23 @@ TEST(ReconstructViews, AViewInTheWrongPlaceIsNamedAndLeftOut) {
   EXPECT_NEAR(result.model.metrics.height_m, 4, 0.06);
 }
 
+TEST(ReconstructViews, AViewThatLostTheStemCostsNoHeight) {
+  ViewSet set = test::photograph_ring(young_tree(), small_ring(10));
+  for (const std::size_t lost : {2U, 7U}) {
+    Photograph& photo = set.views[lost].photo;
+    const auto from = static_cast<std::size_t>(0.7 * photo.height) * static_cast<std::size_t>(photo.width);
+    std::fill(photo.mask.begin() + static_cast<std::ptrdiff_t>(from), photo.mask.end(), 0);
+  }
+  const ViewsReconstruction result = reconstruct_views(set, {.cloud = {.threads = 1}});
+  EXPECT_NEAR(result.model.metrics.height_m, 4, 0.05);
+  ASSERT_TRUE(result.model.metrics.dbh_m.has_value());
+  EXPECT_NEAR(*result.model.metrics.dbh_m, 2 * 0.079, 0.008);
+  EXPECT_TRUE(result.views[2].used);
+  EXPECT_THAT(result.model.warnings,
+              testing::Contains(testing::AllOf(HasSubstr("the stem is lost"), HasSubstr("view 2"),
+                                               HasSubstr("view 7"), testing::Not(HasSubstr("view 3")))));
+}
+
 TEST(ReconstructViews, ViewsFromOnePlaceAreRefused) {
   ViewSet set = test::photograph_ring(young_tree(), small_ring(2));
   set.views[1] = set.views[0];
