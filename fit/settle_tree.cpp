@@ -11,8 +11,10 @@ namespace dendrofit {
 namespace {
 
 constexpr int kShowingSeeds = 16;  // the tree of one of so many is shown
+constexpr int kSizeSteps = 2;
 // Relative errors that count as much as one standard deviation of a descriptor.
 constexpr double kHeightError = 0.02, kDiameterError = 0.02, kVolumeError = 0.05, kCrownError = 0.05;
+constexpr double kMeanHeightError = 0.01;
 
 /// A grown tree whose radii are yet to be settled. In the pipe model r^v = n tip^v with n tips beyond.
 struct Shown {
@@ -140,27 +142,39 @@ std::vector<Shown> grow_all(const FitProblem& problem, const Eigen::VectorXd& po
   return trees;
 }
 
+/// Logarithm of the observed height over the trees' on average.
+double height_off(const FitProblem& problem, const std::vector<Shown>& trees) {
+  std::vector<double> off;
+  for (const Shown& shown : trees)
+    off.push_back(std::log(problem.setting.observed.height_m /
+                           measure(as_observed(shown.tree, problem.setting)).height_m));
+  return mean(off);
+}
+
 /// Where the internode length is given, trees have the observed height only by their number of internodes:
-/// the size at the end of growth is moved by what their heights are off on average, if that makes them less
-/// unlike the observed tree.
+/// the size at the end of growth is moved by what their heights are off on average, as long as the trees with
+/// their mean height (whose error a scan makes is a hundredth) are then less unlike the observed one.
 void settle_size(const FitProblem& problem, const NoiseMetric& metric, Judged& best,
                  std::vector<Shown>& trees, Progress& progress) {
   const Eigen::Index size = problem.space.row("size"), exponent = problem.space.row("pipe_exponent");
   if (!problem.options.internode_length_m || problem.options.held.count("size")) return;
   const double v = problem.space.value(exponent, best.point[exponent]);
-  std::vector<double> off;
-  for (const Shown& shown : trees)
-    off.push_back(std::log(problem.setting.observed.height_m /
-                           measure(as_observed(shown.tree, problem.setting)).height_m));
-  if (!std::isfinite(mean(off))) return;
-  Eigen::VectorXd moved = best.point;
-  moved[size] = problem.space.unit(size, problem.space.value(size, moved[size]) * std::exp(mean(off)));
-  std::vector<Shown> others = grow_all(problem, moved, best.key, progress);
-  if (mean(unlikeness_of(problem, metric, others, v, progress)) >=
-      mean(unlikeness_of(problem, metric, trees, v, progress)))
-    return;
-  best.point = moved;
-  trees = std::move(others);
+  const auto cost = [&](std::vector<Shown>& list) {
+    return mean(unlikeness_of(problem, metric, list, v, progress)) +
+           square(height_off(problem, list) / kMeanHeightError);
+  };
+  double least = cost(trees);
+  for (int step = 0; step < kSizeSteps && std::isfinite(height_off(problem, trees)); ++step) {
+    Eigen::VectorXd moved = best.point;
+    moved[size] = problem.space.unit(
+        size, problem.space.value(size, moved[size]) * std::exp(height_off(problem, trees)));
+    std::vector<Shown> others = grow_all(problem, moved, best.key, progress);
+    const double value = cost(others);
+    if (!(value < least)) return;
+    least = value;
+    best.point = moved;
+    trees = std::move(others);
+  }
 }
 
 }  // namespace
