@@ -10,7 +10,8 @@
 namespace dendrofit {
 namespace {
 
-constexpr int kShowingSeeds = 16;  // the tree of one of so many is shown
+constexpr int kShowingSeeds = 16;     // the tree of one of so many is shown
+constexpr double kShownMeasures = 4;  // what people look for in the one tree shown counts for so much
 constexpr int kSizeSteps = 2;
 // Relative errors that count as much as one standard deviation of a descriptor.
 constexpr double kHeightError = 0.02, kDiameterError = 0.02, kVolumeError = 0.05, kCrownError = 0.05;
@@ -75,8 +76,9 @@ double tip_radius(const Shown& shown, double v) {
                              shown.internode_length_m);
 }
 
-/// Distance and misfits of the measures together, in standard deviations squared.
-double unlikeness(const FitProblem& problem, const NoiseMetric& metric, Shown& shown, double v) {
+/// Distance and misfits of the measures, `weight` times, together, in standard deviations squared.
+double unlikeness(const FitProblem& problem, const NoiseMetric& metric, Shown& shown, double v,
+                  double weight) {
   const double tip = tip_radius(shown, v);
   for (std::size_t i = 0; i < shown.tree.size(); ++i)
     shown.tree.radius[i] = tip * std::exp(shown.log_pipes[i] / v);
@@ -85,20 +87,23 @@ double unlikeness(const FitProblem& problem, const NoiseMetric& metric, Shown& s
       describe_as_observed(shown.tree, shown.internode_length_m, problem.setting, shown.seed);
   const TreeMetrics m = measure(as_observed(shown.tree, problem.setting));
   const auto used = static_cast<double>(metric.used().size());
+  const double measures =
+      misfit(m.height_m, observed.height_m, kHeightError) +
+      misfit(2 * tip * std::exp(shown.log_stem_pipes / v), shown.observed_diameter_m, kDiameterError) +
+      misfit(m.total_volume_m3, observed.total_volume_m3, kVolumeError) +
+      misfit(m.crown_diameter_m, observed.crown_diameter_m, kCrownError);
   return used * metric.cost(Eigen::Map<const Eigen::RowVectorXd>(row.data(), problem.observed.size())) +
-         misfit(m.height_m, observed.height_m, kHeightError) +
-         misfit(2 * tip * std::exp(shown.log_stem_pipes / v), shown.observed_diameter_m, kDiameterError) +
-         misfit(m.total_volume_m3, observed.total_volume_m3, kVolumeError) +
-         misfit(m.crown_diameter_m, observed.crown_diameter_m, kCrownError);
+         weight * measures;
 }
 
 /// unlikeness() of every tree.
 std::vector<double> unlikeness_of(const FitProblem& problem, const NoiseMetric& metric,
-                                  std::vector<Shown>& trees, double v, Progress& progress) {
+                                  std::vector<Shown>& trees, double v, Progress& progress,
+                                  double weight = 1) {
   std::vector<double> costs(trees.size());
   parallel_blocks(trees.size(), 1, problem.options.threads, [&](std::size_t s, std::size_t) {
     progress.check();
-    costs[s] = unlikeness(problem, metric, trees[s], v);
+    costs[s] = unlikeness(problem, metric, trees[s], v, weight);
   });
   return costs;
 }
@@ -186,8 +191,8 @@ Judged settle_tree(const FitProblem& problem, const NoiseMetric& metric, const S
   settle_size(problem, metric, best, trees, progress);
   const Eigen::Index row = problem.space.row("pipe_exponent");
   best.point[row] = settle_exponent(problem, metric, box, best.point[row], trees, progress);
-  const std::vector<double> costs =
-      unlikeness_of(problem, metric, trees, problem.space.value(row, best.point[row]), progress);
+  const std::vector<double> costs = unlikeness_of(
+      problem, metric, trees, problem.space.value(row, best.point[row]), progress, kShownMeasures);
   best.shown = static_cast<int>(std::min_element(costs.begin(), costs.end()) - costs.begin());
   best.internode_length_m = trees[static_cast<std::size_t>(best.shown)].internode_length_m;
 
