@@ -24,11 +24,12 @@ if(NOT embree_FOUND)
   find_package(embree 3 REQUIRED)
 endif()
 
-# PCL's own ${PCL_LIBRARIES} drags VTK and Qt onto every command line; only these are needed, by name.
+# PCL's own ${PCL_LIBRARIES} drags VTK and Qt onto every command line; only these are needed, by name. (Not segmentation
+# and filters: with what they need they take 45 ms to load, in every command.)
 find_path(DENDROFIT_PCL_INCLUDE pcl/point_cloud.h PATH_SUFFIXES pcl-1.15 pcl-1.14 pcl-1.13 pcl-1.12 REQUIRED)
 add_library(dendrofit_pcl INTERFACE)
 target_include_directories(dendrofit_pcl SYSTEM INTERFACE ${DENDROFIT_PCL_INCLUDE})
-foreach(name segmentation filters search kdtree common)
+foreach(name sample_consensus common)
   find_library(DENDROFIT_PCL_${name} pcl_${name} REQUIRED)
   target_link_libraries(dendrofit_pcl INTERFACE ${DENDROFIT_PCL_${name}})
 endforeach()

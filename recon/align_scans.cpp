@@ -3,6 +3,7 @@
 
 #include "recon/cylinder_fit.h"
 #include "recon/scan_order.h"
+#include "recon/select.h"
 #include "recon/thick_places.h"
 
 #include <algorithm>
@@ -34,22 +35,21 @@ std::vector<Vec3> views_of(const std::vector<Vec3>& points, const std::vector<st
 class ShiftFit {
  public:
   ShiftFit(const std::vector<Vec3>& points, const std::vector<std::uint16_t>& scan_of,
-           std::vector<ThickPlace> places, std::size_t scans, double noise)
-      : points_(points),
-        scan_of_(scan_of),
-        places_(std::move(places)),
-        view_(views_of(points, scan_of, places_, scans)),
-        common_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * scans + 1))),
-        thin_(kThinNoises * noise),
+           const std::vector<ThickPlace>& places, std::size_t scans, double noise)
+      : scans_(scans),
+        unknowns_(3 * scans + 1),
+        common_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknowns_))),
         scale_(3 * noise) {
-    for (const ThickPlace& place : places_) circle_.emplace_back(0, 0, place.node->rough_radius_m);
+    const std::vector<Vec3> views = views_of(points, scan_of, places, scans);
+    for (const ThickPlace& place : places) add(place, points, scan_of, views, noise);
+    settled_.resize(places_.size() * 3 * unknowns_);
   }
 
   std::vector<Vec3> solve() {
     for (int round = 0; round < kMostRounds && improve() > 1e-6; ++round) {
     }
     std::vector<Vec3> shift;
-    for (std::size_t k = 0; k < view_.size(); ++k) shift.push_back(shift_of(k));
+    for (std::size_t k = 0; k < scans_; ++k) shift.push_back(shift_of(k));
     return shift;
   }
 
@@ -62,67 +62,146 @@ class ShiftFit {
   static constexpr double kUsualShift = 0.005, kUsualWeight = 5;
   static constexpr double kOwn = 3;  // radii; keeps the middle of a place seen as a strip finite
 
-  struct Own {
-    Eigen::Matrix3d normal;
-    Eigen::Vector3d gradient;
-    Eigen::Matrix<double, 3, Eigen::Dynamic> with_common;
+  /// A point that has a say, seen along its place's wood.
+  struct Seen {
+    Eigen::Vector2d at;
+    std::size_t scan;
   };
+
+  struct Place {
+    Vec3 u, v;
+    double radius = 0, weight = 0;
+    bool thin = false;
+    std::size_t first = 0, last = 0;                 // of seen_
+    Eigen::Vector3d circle{0, 0, 0};                 // middle across and radius
+    Eigen::Matrix3d root = Eigen::Matrix3d::Zero();  // Cholesky factor of its circle's normal equations
+    Eigen::Vector3d settled{0, 0, 0};                // the root's inverse times their gradient
+  };
+
+  /// Sums over the points of one scan at one place: of the weights times one, the outward direction, its
+  /// outer product with itself, and the gradients by the middle and by the radius.
+  struct Sums {
+    double weight = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, by_x = 0, by_y = 0, by_radius = 0;
+  };
+
+  void add(const ThickPlace& thick, const std::vector<Vec3>& points,
+           const std::vector<std::uint16_t>& scan_of, const std::vector<Vec3>& views, double noise) {
+    const double radius = thick.node->rough_radius_m;
+    Place place{.u = thick.u,
+                .v = thick.v,
+                .radius = radius,
+                .weight = thick.point_weight(),
+                .thin = radius < kThinNoises * noise,
+                .first = seen_.size(),
+                .circle = {0, 0, radius}};
+    const std::size_t scanners = toward_.size();
+    for (const Vec3& view : views)
+      toward_.push_back(Eigen::Vector2d(view.dot(place.u), view.dot(place.v)).normalized());
+    for (const std::uint32_t p : thick.node->points) {
+      const std::size_t k = scan_of[p];
+      const Eigen::Vector2d at = thick.across(points[p]), toward = toward_[scanners + k];
+      // Judged across the beam, where range noise moves nothing.
+      if (at.dot(toward) > 0 && std::abs(at.x() * toward.y() - at.y() * toward.x()) <= kRim * radius)
+        seen_.push_back({at, k});
+    }
+    place.last = seen_.size();
+    places_.push_back(place);
+  }
 
   Vec3 shift_of(std::size_t scan) const { return common_.segment<3>(static_cast<Eigen::Index>(3 * scan)); }
 
-  /// Equations of one place; what concerns the common unknowns alone is added to `normal` and `gradient`.
-  Own equations(std::size_t i, Eigen::MatrixXd& normal, Eigen::VectorXd& gradient) {
-    const ThickPlace& place = places_[i];
-    const Eigen::Index rim = common_.size() - 1;
-    const double radius = place.node->rough_radius_m;
-    const double weight = place.point_weight();
-    const double hold = weight * std::pow(scale_ / (kOwn * radius), 2);
-    Own own{hold * Eigen::Matrix3d::Identity(), hold * (circle_[i] - Eigen::Vector3d(0, 0, radius)), {}};
-    own.with_common.setZero(3, common_.size());
-    std::vector<Eigen::Vector2d> toward;  // the scanners, seen along the wood
-    for (const Vec3& view : view_)
-      toward.push_back(Eigen::Vector2d(view.dot(place.u), view.dot(place.v)).normalized());
-    for (const std::uint32_t p : place.node->points) {
-      const std::size_t k = scan_of_[p];
-      const Eigen::Vector2d seen = place.across(points_[p]);
-      // Judged across the beam, where range noise moves nothing.
-      if (seen.dot(toward[k]) <= 0 ||
-          std::abs(seen.x() * toward[k].y() - seen.y() * toward[k].x()) > kRim * radius)
-        continue;
-      const bool thin = radius < thin_;
-      Vec3 moved = points_[p] - shift_of(k);
-      if (thin) moved -= common_[rim] * (toward[k].x() * place.u + toward[k].y() * place.v);
-      const Eigen::Vector2d d = place.across(moved) - circle_[i].head<2>();
+  /// Sums of one place by scan.
+  void gather(const Place& place, const Eigen::Vector2d* toward) {
+    sums_.assign(scans_, {});
+    offset_.clear();
+    for (std::size_t k = 0; k < scans_; ++k) {
+      const Vec3 shift = shift_of(k);
+      Eigen::Vector2d offset(shift.dot(place.u), shift.dot(place.v));
+      if (place.thin) offset += common_[common_.size() - 1] * toward[k];
+      offset_.push_back(offset + place.circle.head<2>());
+    }
+    for (std::size_t i = place.first; i < place.last; ++i) {
+      const std::size_t k = seen_[i].scan;
+      const Eigen::Vector2d d = seen_[i].at - offset_[k];
       const double distance = d.norm();
       if (distance <= 0) continue;
-      const double residual = distance - circle_[i].z();
+      const double residual = distance - place.circle.z();
       off_.push_back(std::abs(residual));
       const double far = residual / (kTukey * scale_);
       if (std::abs(far) >= 1) continue;
-      const double w = weight * (1 - far * far) * (1 - far * far);
-      const Eigen::Vector3d by_own(-d.x() / distance, -d.y() / distance, -1);
-      const Vec3 by_shift = by_own.x() * place.u + by_own.y() * place.v;
-      const double by_rim = thin ? by_own.head<2>().dot(toward[k]) : 0;
-      const auto at = static_cast<Eigen::Index>(3 * k);
+      const double w = place.weight * (1 - far * far) * (1 - far * far);
       // Noise along the beam turns the outward direction as it lengthens the distance: what both are expected
       // to add up to is taken off, or every arc would seem to bulge towards its scanner.
       const Eigen::Vector2d out = d / distance;
       const double cosine = out.dot(toward[k]), variance = scale_ * scale_ / distance;
-      const Eigen::Vector2d bulge =
-          variance * (cosine * (toward[k] - cosine * out) + 0.5 * (1 - cosine * cosine) * out);
       const double swell = 0.5 * variance * (1 - cosine * cosine);
-      own.normal += w * by_own * by_own.transpose();
-      own.gradient += w * (residual * by_own + Eigen::Vector3d(bulge.x(), bulge.y(), swell));
-      own.with_common.middleCols<3>(at) += w * by_own * by_shift.transpose();
-      own.with_common.col(rim) += w * by_rim * by_own;
-      normal.block<3, 3>(at, at) += w * by_shift * by_shift.transpose();
-      normal.block<3, 1>(at, rim) += w * by_rim * by_shift;
-      normal.block<1, 3>(rim, at) += w * by_rim * by_shift.transpose();
-      normal(rim, rim) += w * by_rim * by_rim;
-      gradient.segment<3>(at) += w * (residual * by_shift + bulge.x() * place.u + bulge.y() * place.v);
-      if (thin) gradient[rim] += w * (residual * by_rim + bulge.dot(toward[k]));
+      const Eigen::Vector2d bulge = variance * cosine * (toward[k] - cosine * out) + swell * out;
+      Sums& s = sums_[k];
+      s.weight += w;
+      s.x += w * out.x();
+      s.y += w * out.y();
+      s.xx += w * out.x() * out.x();
+      s.xy += w * out.x() * out.y();
+      s.yy += w * out.y() * out.y();
+      s.by_x += w * (bulge.x() - residual * out.x());
+      s.by_y += w * (bulge.y() - residual * out.y());
+      s.by_radius += w * (swell - residual);
     }
-    return own;
+  }
+
+  /// Adds a place to the equations of the common unknowns, less what its own middle and radius take up (Schur
+  /// complement). Of `normal` the lower triangle alone.
+  void add_equations(std::size_t i, Eigen::MatrixXd& normal, Eigen::VectorXd& gradient) {
+    Place& place = places_[i];
+    const Eigen::Vector2d* toward = toward_.data() + i * scans_;
+    gather(place, toward);
+    const Eigen::Index rim = common_.size() - 1;
+    const double hold = place.weight * std::pow(scale_ / (kOwn * place.radius), 2);
+    Eigen::Matrix3d own = hold * Eigen::Matrix3d::Identity();
+    Eigen::Vector3d own_gradient = hold * (place.circle - Eigen::Vector3d(0, 0, place.radius));
+    Eigen::Matrix<double, 2, 3> across;
+    across << place.u.transpose(), place.v.transpose();
+    using Rows = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
+    Eigen::Map<Rows> with_common(settled_.data() + i * 3 * unknowns_, 3,
+                                 static_cast<Eigen::Index>(unknowns_));
+    with_common.setZero();
+    for (std::size_t k = 0; k < scans_; ++k) {
+      const Sums& s = sums_[k];
+      if (!(s.weight > 0)) continue;
+      Eigen::Matrix2d square;
+      square << s.xx, s.xy, s.xy, s.yy;
+      const Eigen::Vector2d out(s.x, s.y), by(s.by_x, s.by_y);
+      own.topLeftCorner<2, 2>() += square;
+      own.bottomLeftCorner<1, 2>() += out.transpose();
+      own(2, 2) += s.weight;
+      own_gradient += Eigen::Vector3d(s.by_x, s.by_y, s.by_radius);
+      const auto at = static_cast<Eigen::Index>(3 * k);
+      const Eigen::Matrix<double, 2, 3> moved = square * across;
+      with_common.block<2, 3>(0, at) = moved;
+      with_common.block<1, 3>(2, at) = out.transpose() * across;
+      normal.block<3, 3>(at, at) += across.transpose() * moved;
+      gradient.segment<3>(at) += across.transpose() * by;
+      if (!place.thin) continue;
+      const Eigen::Vector2d flattened = square * toward[k];
+      with_common.col(rim) += Eigen::Vector3d(flattened.x(), flattened.y(), out.dot(toward[k]));
+      normal.block<1, 3>(rim, at) += flattened.transpose() * across;
+      normal(rim, rim) += flattened.dot(toward[k]);
+      gradient[rim] += by.dot(toward[k]);
+    }
+    place.root = own.llt().matrixL();
+    const auto root = place.root.triangularView<Eigen::Lower>();
+    place.settled = root.solve(own_gradient);
+    // Forward substitution, row by row.
+    with_common.row(0) /= place.root(0, 0);
+    with_common.row(1) = (with_common.row(1) - place.root(1, 0) * with_common.row(0)) / place.root(1, 1);
+    with_common.row(2) =
+        (with_common.row(2) - place.root(2, 0) * with_common.row(0) - place.root(2, 1) * with_common.row(1)) /
+        place.root(2, 2);
+    gradient -= with_common.transpose() * place.settled;
+    for (Eigen::Index c = 0; c <= rim; ++c)
+      for (Eigen::Index r = c; r <= rim; ++r)
+        normal(r, c) -= with_common(0, r) * with_common(0, c) + with_common(1, r) * with_common(1, c) +
+                        with_common(2, r) * with_common(2, c);
   }
 
   /// One step; returns its length.
@@ -130,35 +209,33 @@ class ShiftFit {
     const double hold = kUsualWeight * std::pow(scale_ / kUsualShift, 2);
     Eigen::MatrixXd normal = hold * Eigen::MatrixXd::Identity(common_.size(), common_.size());
     Eigen::VectorXd gradient = hold * common_;
-    std::vector<Own> own;
     off_.clear();
-    for (std::size_t i = 0; i < places_.size(); ++i) {
-      own.push_back(equations(i, normal, gradient));
-      // What is left for the rest once the place's own middle and radius are settled (Schur complement).
-      const Eigen::Matrix<double, 3, Eigen::Dynamic> settled =
-          own.back().normal.ldlt().solve(own.back().with_common);
-      normal -= own.back().with_common.transpose() * settled;
-      gradient -= settled.transpose() * own.back().gradient;
-    }
+    for (std::size_t i = 0; i < places_.size(); ++i) add_equations(i, normal, gradient);
     if (off_.empty()) return 0;
     const Eigen::VectorXd step = -normal.ldlt().solve(gradient);
     common_ += step;
-    for (std::size_t i = 0; i < places_.size(); ++i)
-      circle_[i] -= own[i].normal.ldlt().solve(own[i].gradient + own[i].with_common * step);
-    const auto half = off_.begin() + static_cast<std::ptrdiff_t>(off_.size() / 2);
-    std::nth_element(off_.begin(), half, off_.end());
-    scale_ = std::max(0.0005, 1.4826 * *half);
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      using Rows = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
+      const Eigen::Map<const Rows> settled(settled_.data() + i * 3 * unknowns_, 3,
+                                           static_cast<Eigen::Index>(unknowns_));
+      Place& place = places_[i];
+      const Eigen::Vector3d left = place.settled + settled * step;
+      place.circle -= place.root.transpose().triangularView<Eigen::Upper>().solve(left);
+    }
+    scale_ = std::max(0.0005, 1.4826 * kth_smallest(off_, off_.size() / 2));
     return step.norm();
   }
 
-  const std::vector<Vec3>& points_;
-  const std::vector<std::uint16_t>& scan_of_;
-  std::vector<ThickPlace> places_;
-  std::vector<Vec3> view_;
+  std::size_t scans_, unknowns_;
+  std::vector<Place> places_;
+  std::vector<Seen> seen_;               // place by place
+  std::vector<Eigen::Vector2d> toward_;  // the scanners, seen along the wood, place by place
+  std::vector<double> settled_;          // place by place: the root's inverse times its circle's rows
   Eigen::VectorXd common_;               // shifts scan by scan, then what thin wood seems nearer by
-  std::vector<Eigen::Vector3d> circle_;  // middle across and radius, by place
+  std::vector<Sums> sums_;
+  std::vector<Eigen::Vector2d> offset_;
   std::vector<double> off_;
-  double thin_, scale_;
+  double scale_;
 };
 
 /// Whether places that had no say in the shifts are rounder with them: the scatter about each one's own
@@ -177,8 +254,8 @@ bool rounder_with(const std::vector<Vec3>& points, const std::vector<std::uint16
       several = several || scan_of[p] != scan_of[place.node->points.front()];
     }
     if (!several) continue;
-    const CircleFit before = robust_circle(as_stored, algebraic_circle(as_stored), noise);
-    const CircleFit after = robust_circle(moved, algebraic_circle(moved), noise);
+    const CircleFit before = robust_circle(as_stored, taubin_circle(as_stored), noise);
+    const CircleFit after = robust_circle(moved, taubin_circle(moved), noise);
     if (!before.ok || !after.ok || !(before.rms > 0) || !(after.rms > 0)) continue;
     const double gain = std::log(before.rms / after.rms);
     count += 1;

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/neighbors.h"
 #include "core/point_cloud.h"
 #include "recon/graph.h"
 
@@ -85,17 +84,8 @@ std::vector<Bridge> bridge_gaps(const std::vector<Vec3>& points, const PointGrap
   if (part_count < 2) return bridges;
   progress.begin("gaps", static_cast<double>(part_count), "parts");
   const auto small = [&](std::uint32_t part) { return parts.points[part] < kFewestPoints; };
-  std::vector<Vec3> sample;
-  std::vector<std::uint32_t> sample_point;
-  for (std::uint32_t i = 0; i < points.size(); ++i) {
-    const std::uint32_t part = parts.part[i];
-    if (part == Paths::kNone || small(part)) continue;
-    sample.push_back(points[i]);
-    sample_point.push_back(i);
-  }
-  const Neighbors index(sample);
   Union groups(part_count);
-  std::vector<std::uint32_t> group(sample.size());
+  std::vector<std::uint32_t> group(points.size(), Paths::kNone);  // none: closed, or a stray
   std::vector<std::uint64_t> hopeless(part_count, 0);  // size at which a group found nothing within its reach
 
   for (int round = 0; round < 12; ++round) {
@@ -107,10 +97,12 @@ std::vector<Bridge> bridge_gaps(const std::vector<Vec3>& points, const PointGrap
         static_cast<std::uint32_t>(std::max_element(size.begin(), size.end()) - size.begin());
     std::vector<std::vector<std::uint32_t>> members(part_count);
     std::vector<Bounds> extent(part_count);
-    for (std::uint32_t s = 0; s < sample.size(); ++s) {
-      group[s] = groups.root(parts.part[sample_point[s]]);
-      if (group[s] != largest) members[group[s]].push_back(s);
-      extent[group[s]].add(sample[s]);
+    for (std::uint32_t i = 0; i < points.size(); ++i) {
+      const std::uint32_t part = parts.part[i];
+      if (part == Paths::kNone || small(part)) continue;
+      group[i] = groups.root(part);
+      if (group[i] != largest) members[group[i]].push_back(i);
+      extent[group[i]].add(points[i]);
     }
     bool joined = false;
     std::vector<Bridge> fresh;
@@ -127,12 +119,12 @@ std::vector<Bridge> bridge_gaps(const std::vector<Vec3>& points, const PointGrap
       for (const std::size_t looks : {kFirstLooks, kMostLooks}) {
         const std::size_t stride = 1 + members[g].size() / looks;
         for (std::size_t m = 0; m < members[g].size(); m += stride) {
-          const std::uint32_t s = members[g][m];
-          const auto found =
-              index.nearest_where(sample[s], reach, [&](std::uint32_t i) { return group[i] != g; });
+          const std::uint32_t p = members[g][m];
+          const auto found = graph.index->nearest_where(
+              points[p], reach, [&](std::uint32_t i) { return group[i] != g && group[i] != Paths::kNone; });
           if (!found) continue;
           const double gap = std::sqrt(found->distance_squared);
-          candidates.push_back({sample_point[s], sample_point[found->index], gap, gap});
+          candidates.push_back({p, found->index, gap, gap});
           reach = std::min(reach, 2 * gap + 2 * graph.typical_spacing_m);
         }
         if (stride == 1) break;

@@ -2,11 +2,10 @@
 #include "recon/course.h"
 
 #include "recon/cylinder_fit.h"
+#include "recon/sectors.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Dense>
 
@@ -17,14 +16,14 @@ int surface_sectors(const std::vector<Vec3>& points, std::span<const std::uint32
   Vec3 u, v;
   plane_frame(s.direction, u, v);
   const double reach = std::max(2 * noise_m, 0.2 * s.radius_m);
-  std::uint32_t seen = 0;
+  Sectors seen;
   for (const std::uint32_t p : members) {
     const Vec3 d = points[p] - s.centre;
     const double x = d.dot(u), y = d.dot(v);
     if (std::abs(std::hypot(x, y) - s.radius_m) > reach) continue;
-    seen |= 1U << static_cast<int>(std::min(23.0, 12 * (std::atan2(y, x) / std::numbers::pi + 1)));
+    seen.add({x, y});
   }
-  return std::popcount(seen);
+  return seen.count();
 }
 
 bool follow_course(const std::vector<Vec3>& points, std::span<const std::uint32_t> members,

@@ -1,32 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "recon/cylinder_fit.h"
 
+#include "recon/sectors.h"
+#include "recon/select.h"
+
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Dense>
 
 namespace dendrofit {
-namespace {
-
-constexpr int kSectors = 24;
-
-double sector_coverage(std::span<const Eigen::Vector2d> points, const Eigen::Vector2d& centre) {
-  std::uint32_t seen = 0;
-  for (const Eigen::Vector2d& p : points) {
-    const Eigen::Vector2d d = p - centre;
-    const double turn = (std::atan2(d.y(), d.x()) + std::numbers::pi) / (2 * std::numbers::pi);
-    seen |= 1U << std::min(kSectors - 1, static_cast<int>(turn * kSectors));
-  }
-  int count = 0;
-  for (; seen; seen &= seen - 1) ++count;
-  return static_cast<double>(count) / kSectors;
-}
-
-}  // namespace
-
-CircleFit algebraic_circle(std::span<const Eigen::Vector2d> points) {
+CircleFit taubin_circle(std::span<const Eigen::Vector2d> points) {
   CircleFit fit;
   const auto n = static_cast<double>(points.size());
   if (points.size() < 4) return fit;
@@ -66,16 +50,26 @@ CircleFit algebraic_circle(std::span<const Eigen::Vector2d> points) {
   if (!shift.allFinite() || !(squared > 0)) return fit;
   fit.centre = mean + shift;
   fit.radius = std::sqrt(squared);
+  fit.inliers = points.size();
+  fit.ok = true;
+  return fit;
+}
+
+CircleFit algebraic_circle(std::span<const Eigen::Vector2d> points) {
+  CircleFit fit = taubin_circle(points);
+  if (!fit.ok) return fit;
+  const auto n = static_cast<double>(points.size());
   double sum = 0;
+  Sectors seen;
   for (const auto& p : points) {
-    const double r = (p - fit.centre).norm() - fit.radius;
+    const Eigen::Vector2d d = p - fit.centre;
+    const double r = d.norm() - fit.radius;
     sum += r * r;
+    seen.add(d);
   }
   fit.rms = std::sqrt(sum / n);
   fit.radius_se = fit.rms / std::sqrt(std::max(1.0, n - 3));
-  fit.coverage = sector_coverage(points, fit.centre);
-  fit.inliers = points.size();
-  fit.ok = true;
+  fit.coverage = seen.share();
   return fit;
 }
 
@@ -84,36 +78,45 @@ CircleFit robust_circle(std::span<const Eigen::Vector2d> points, const CircleFit
   CircleFit fit = start;
   fit.ok = false;
   if (points.size() < 5 || !start.ok) return fit;
-  std::vector<double> residual(points.size()), sorted;
+  thread_local std::vector<double> distance, residual, sorted;
+  const std::size_t n = points.size();
+  distance.resize(n);
+  residual.resize(n);
+  sorted.resize(n);
   Eigen::Matrix3d normal = Eigen::Matrix3d::Identity();
   double weighted = 0, weights = 0;
   for (int iteration = 0; iteration < 8; ++iteration) {
-    for (std::size_t i = 0; i < points.size(); ++i)
-      residual[i] = (points[i] - fit.centre).norm() - fit.radius;
-    sorted.resize(residual.size());
-    std::transform(residual.begin(), residual.end(), sorted.begin(), [](double r) { return std::abs(r); });
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
-                     sorted.end());
-    const double scale = kTukey * std::max(noise_m, 1.4826 * sorted[sorted.size() / 2]);
-    normal.setZero();
+    for (std::size_t i = 0; i < n; ++i) {
+      const double x = points[i].x() - fit.centre.x(), y = points[i].y() - fit.centre.y();
+      distance[i] = std::sqrt(x * x + y * y);
+      residual[i] = distance[i] - fit.radius;
+      sorted[i] = std::abs(residual[i]);
+    }
+    const double scale = kTukey * std::max(noise_m, 1.4826 * kth_smallest(sorted, n / 2));
+    double xx = 0, xy = 0, yx = 0, yy = 0, x1 = 0, y1 = 0;  // of the normal equations
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
     weighted = weights = 0;
     fit.inliers = 0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t i = 0; i < n; ++i) {
       const double u = residual[i] / scale;
-      if (std::abs(u) >= 1) continue;
+      if (std::abs(u) >= 1 || distance[i] <= 0) continue;
       const double w = (1 - u * u) * (1 - u * u);
-      const Eigen::Vector2d d = points[i] - fit.centre;
-      const double distance = d.norm();
-      if (distance <= 0) continue;
-      const Eigen::Vector3d row(-d.x() / distance, -d.y() / distance, -1);
-      normal += w * row * row.transpose();
-      gradient += w * row * residual[i];
+      const double x = -(points[i].x() - fit.centre.x()) / distance[i];
+      const double y = -(points[i].y() - fit.centre.y()) / distance[i];
+      const double wx = w * x, wy = w * y;
+      xx += wx * x;
+      xy += wx * y;
+      yx += wy * x;
+      yy += wy * y;
+      x1 -= wx;
+      y1 -= wy;
+      gradient += residual[i] * Eigen::Vector3d(wx, wy, -w);
       weighted += w * residual[i] * residual[i];
       weights += w;
       ++fit.inliers;
     }
     if (fit.inliers < 5) return fit;
+    normal << xx, xy, x1, yx, yy, y1, x1, y1, weights;
     const Eigen::Vector3d change = normal.ldlt().solve(gradient);
     if (!change.allFinite()) return fit;
     fit.centre -= change.head<2>();
@@ -126,11 +129,10 @@ CircleFit robust_circle(std::span<const Eigen::Vector2d> points, const CircleFit
   const Eigen::Matrix3d covariance = normal.inverse() * variance;
   fit.radius_se = std::sqrt(std::max(0.0, covariance(2, 2)));
   if (!std::isfinite(fit.radius_se)) return fit;
-  std::vector<Eigen::Vector2d> near;
-  near.reserve(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (std::abs(residual[i]) <= 3 * std::max(noise_m, fit.rms)) near.push_back(points[i]);
-  fit.coverage = sector_coverage(near, fit.centre);
+  Sectors seen;
+  for (std::size_t i = 0; i < n; ++i)
+    if (std::abs(residual[i]) <= 3 * std::max(noise_m, fit.rms)) seen.add(points[i] - fit.centre);
+  fit.coverage = seen.share();
   fit.ok = true;
   return fit;
 }

@@ -24,6 +24,9 @@ struct CircleFit {
 /// Least-squares circle (Taubin 1991), algebraic: quick, and nearly unbiased on short arcs.
 CircleFit algebraic_circle(std::span<const Eigen::Vector2d> points);
 
+/// The same circle without its rms, radius_se and coverage (left 0): enough to start from.
+CircleFit taubin_circle(std::span<const Eigen::Vector2d> points);
+
 /// Geometric fit from `start`: Gauss-Newton on the distances with Tukey's weights at a scale from the median
 /// absolute residual, never below `noise_m`.
 CircleFit robust_circle(std::span<const Eigen::Vector2d> points, const CircleFit& start, double noise_m);

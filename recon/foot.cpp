@@ -13,8 +13,27 @@
 namespace dendrofit {
 namespace {
 
-Foot foot_of(const Piece& piece, const std::vector<Vec3>& points, const PointGraph& graph,
+/// The axis and thickness of a stem seen from one side only: its points' mean lies on its surface and their
+/// scatter is less than its girth's; a circle through the arc tells both. Seen all round, the mean does.
+void complete_arc(Piece& piece, const std::vector<Vec3>& points, double spacing_m) {
+  constexpr double kAllRound = 0.75, kArc = 0.25;  // shares of the girth
+  constexpr double kScatter = 0.12;                // about the circle, over its radius
+  constexpr double kThickest = 2;                  // times what a closed ring would be
+  std::vector<Eigen::Vector2d> flat;
+  for (const std::uint32_t p : piece.points) flat.push_back(points[p].head<2>() - piece.at(points[p].z()));
+  const CircleFit start = algebraic_circle(flat);
+  if (!start.ok || start.radius > kThickest * piece.diameter) return;
+  const CircleFit fit = robust_circle(flat, start, std::max(0.25 * spacing_m, 0.03 * start.radius));
+  if (!fit.ok || fit.coverage < kArc || fit.coverage >= kAllRound || fit.rms > kScatter * fit.radius ||
+      2 * fit.radius > kThickest * piece.diameter || 4 * fit.inliers < 3 * flat.size())
+    return;
+  piece.middle += fit.centre;
+  piece.diameter = 2 * fit.radius;
+}
+
+Foot foot_of(Piece piece, const std::vector<Vec3>& points, const PointGraph& graph,
              const std::vector<double>& height, const Ground& ground) {
+  complete_arc(piece, points, graph.typical_spacing_m);
   Foot foot;
   foot.slope = piece.slope;
   foot.diameter_m = piece.diameter;

@@ -2,13 +2,12 @@
 #include "recon/graph.h"
 
 #include "core/errors.h"
-#include "core/neighbors.h"
 #include "core/parallel.h"
+#include "recon/cheapest_first.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <queue>
 
 namespace dendrofit {
 namespace {
@@ -38,7 +37,8 @@ PointGraph neighbor_graph(const std::vector<Vec3>& points, const GraphOptions& o
   graph.first.assign(n + 1, 0);
   if (n == 0) return graph;
   progress.begin("neighbours", static_cast<double>(n), "points");
-  const Neighbors index(points);
+  graph.index = std::make_shared<const Neighbors>(points);
+  const Neighbors& index = *graph.index;
   std::vector<std::uint32_t> nearest(n * k, Paths::kNone);
   parallel_blocks(n, 4096, options.threads, [&](std::size_t first, std::size_t last) {
     progress.check();
@@ -68,6 +68,7 @@ PointGraph neighbor_graph(const std::vector<Vec3>& points, const GraphOptions& o
     for (std::size_t j = 0; j < k; ++j) hits += row[j] == sought;
     return hits > 0;
   };
+  std::vector<std::uint64_t> one_sided(n, 0);  // bit by bit: links that the other end does not name
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i * k; j < (i + 1) * k && nearest[j] != Paths::kNone; ++j) {
       const std::uint32_t v = nearest[j];
@@ -75,7 +76,10 @@ PointGraph neighbor_graph(const std::vector<Vec3>& points, const GraphOptions& o
           kLinkSpacings * std::clamp(std::min(graph.spacing[i], graph.spacing[v]), usual, kSparsest * usual);
       if ((points[i] - points[v]).squaredNorm() <= limit * limit) {
         ++graph.first[i + 1];
-        if (!names(v, i)) ++graph.first[v + 1];
+        if (!names(v, i)) {
+          ++graph.first[v + 1];
+          one_sided[i] |= std::uint64_t{1} << (j - i * k);
+        }
       } else {
         nearest[j] = static_cast<std::uint32_t>(i);
       }
@@ -87,7 +91,7 @@ PointGraph neighbor_graph(const std::vector<Vec3>& points, const GraphOptions& o
     for (std::size_t j = i * k; j < (i + 1) * k && nearest[j] != Paths::kNone; ++j) {
       if (nearest[j] == i) continue;
       graph.to[fill[i]++] = nearest[j];
-      if (!names(nearest[j], i)) graph.to[fill[nearest[j]]++] = static_cast<std::uint32_t>(i);
+      if (one_sided[i] >> (j - i * k) & 1) graph.to[fill[nearest[j]]++] = static_cast<std::uint32_t>(i);
     }
   progress.end();
   return graph;
@@ -130,10 +134,16 @@ Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
   Paths paths;
   paths.parent.assign(n, Paths::kNone);
   paths.length.assign(n, kFar);
-  std::vector<float> cost(n, kFar);
+  /// What a step to a point needs to know; all else is settled when its turn has come.
+  struct Offer {
+    float cost = kFar;
+    std::uint32_t from = Paths::kNone;
+  };
+  constexpr float kDone = -kFar;  // nothing is cheaper
+  std::vector<Offer> best(n);
   std::vector<Eigen::Vector3f> heading(n, Eigen::Vector3f::Zero());
-  std::vector<char> done(n, 0);
-  for (std::size_t i = 0; i < n; ++i) done[i] = !open[i];
+  for (std::size_t i = 0; i < n; ++i)
+    if (!open[i]) best[i].cost = kDone;
   std::vector<std::pair<std::uint32_t, std::pair<std::uint32_t, float>>> crossings;
   crossings.reserve(2 * bridges.size());
   for (const Bridge& b : bridges) {
@@ -152,49 +162,65 @@ Paths shortest_paths(const std::vector<Vec3>& points, const PointGraph& graph,
     return !gates.empty() && inside[v] != Paths::kNone && inside[u] != inside[v] && door[u] != inside[v];
   };
 
-  using Entry = std::pair<float, std::uint32_t>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  CheapestFirst queue(scale / 16);
   for (const std::uint32_t s : sources) {
-    cost[s] = 0;
     paths.length[s] = 0;
-    heading[s] = Eigen::Vector3f::Zero();
-    queue.push({0.0f, s});
+    if (!open[s]) continue;
+    best[s].cost = 0;
+    queue.push(0, s);
   }
-  const auto relax = [&](std::uint32_t u, std::uint32_t v, float h, double c) {
-    const Eigen::Vector3f step = (points[v] - points[u]).cast<float>();
+  /// The point whose turn it is.
+  struct Here {
+    std::uint32_t point;
+    float cost, heading_length;
+    Eigen::Vector3f heading;
+  };
+  const auto offer = [&](const Here& u, std::uint32_t v, const Vec3& way, double c) {
+    const Eigen::Vector3f step = way.cast<float>();
     const float length = step.norm();
-    if (h > 0 && length > 0) {
-      const float cosine = heading[u].dot(step) / (h * length);
+    if (u.heading_length > 0 && length > 0) {
+      const float cosine = u.heading.dot(step) / (u.heading_length * length);
       c *= 1 + kTurnWeight * (1 - cosine);
     }
-    const float total = cost[u] + static_cast<float>(c) + (is_shut(u, v) ? kGatePrice : 0.0f);
-    if (!(total < cost[v])) return;
-    cost[v] = total;
-    paths.parent[v] = u;
-    paths.length[v] = paths.length[u] + length;
-    const float keep = static_cast<float>(std::exp(-length / kMemory_m));
-    heading[v] = heading[u] * keep + step;
-    queue.push({total, v});
+    const float total = u.cost + static_cast<float>(c) + (is_shut(u.point, v) ? kGatePrice : 0.0f);
+    if (!(total < best[v].cost)) return;
+    best[v] = {total, u.point};
+    queue.push(total, v);
   };
   progress.begin("paths", static_cast<double>(n), "points");
   paths.order.reserve(n);
   while (!queue.empty()) {
-    const auto [c, u] = queue.top();
-    queue.pop();
-    if (done[u]) continue;
-    done[u] = 1;
-    paths.order.push_back(u);
+    const std::uint32_t at = queue.pop();
+    if (best[at].cost == kDone) continue;
+    if (const std::uint32_t from = best[at].from; from != Paths::kNone) {
+      const Eigen::Vector3f step = (points[at] - points[from]).cast<float>();
+      const float length = step.norm();
+      const float keep = static_cast<float>(std::exp(-length / kMemory_m));
+      paths.parent[at] = from;
+      paths.length[at] = paths.length[from] + length;
+      heading[at] = heading[from] * keep + step;
+    }
+    const Here u{at, best[at].cost, heading[at].norm(), heading[at]};
+    best[at].cost = kDone;
+    paths.order.push_back(at);
     if (paths.order.size() % 65536 == 0) {
       progress.check();
       progress.advance(65536);
     }
-    const float h = heading[u].norm();
-    for (const std::uint32_t v : graph.of(u))
-      if (!done[v]) relax(u, v, h, step_cost((points[v] - points[u]).norm(), scale));
-    auto it = std::lower_bound(crossings.begin(), crossings.end(), u,
+    for (const std::uint32_t v : graph.of(at)) {
+      // Most steps lead nowhere new, straight on though they were.
+      constexpr float kLeast = 0.999f;  // of a step's cost, whatever rounding does
+      const float spare = best[v].cost - u.cost;
+      if (!(spare > 0)) continue;
+      const Vec3 way = points[v] - points[at];
+      const double length = way.norm();
+      if (kLeast * static_cast<float>(length) < spare) offer(u, v, way, step_cost(length, scale));
+    }
+    auto it = std::lower_bound(crossings.begin(), crossings.end(), at,
                                [](const auto& e, std::uint32_t value) { return e.first < value; });
-    for (; it != crossings.end() && it->first == u; ++it)
-      if (!done[it->second.first]) relax(u, it->second.first, h, it->second.second);
+    for (; it != crossings.end() && it->first == at; ++it)
+      if (const std::uint32_t v = it->second.first; best[v].cost != kDone)
+        offer(u, v, points[v] - points[at], it->second.second);
   }
   progress.end();
   return paths;

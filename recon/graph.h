@@ -2,10 +2,12 @@
 // The neighbour graph of a scan's points, its connected parts, and the shortest paths from a tree's foot.
 #pragma once
 
+#include "core/neighbors.h"
 #include "core/progress.h"
 #include "core/types.h"
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -21,10 +23,11 @@ struct GraphOptions {
 /// Undirected links between points (compressed rows, each link once a row), none longer than a few times the
 /// points' spacing.
 struct PointGraph {
-  std::vector<std::size_t> first;  ///< size() + 1 row starts
-  std::vector<std::uint32_t> to;   ///< linked points, row by row
-  std::vector<float> spacing;      ///< distance of each point's fourth neighbour, metres
-  double typical_spacing_m = 0;    ///< median of spacing
+  std::vector<std::size_t> first;          ///< size() + 1 row starts
+  std::vector<std::uint32_t> to;           ///< linked points, row by row
+  std::vector<float> spacing;              ///< distance of each point's fourth neighbour, metres
+  double typical_spacing_m = 0;            ///< median of spacing
+  std::shared_ptr<const Neighbors> index;  ///< that found them
   std::size_t size() const { return spacing.size(); }
   std::span<const std::uint32_t> of(std::size_t i) const {
     return {to.data() + first[i], first[i + 1] - first[i]};

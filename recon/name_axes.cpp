@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 namespace dendrofit {
 namespace {
@@ -20,22 +21,29 @@ Stretch first_stretch(const Tree& tree, const TreeChildren& children, const std:
                       const std::vector<double>& seen_radius, std::size_t first, double bearer_radius) {
   const double from = std::clamp(2 * bearer_radius, 0.05, 0.3);
   const double to = std::clamp(8 * bearer_radius, 0.2, 1.0);
-  std::vector<double> radii;
-  double along = 0;
+  std::vector<std::pair<double, double>> radii;  // and the length of each
+  double along = 0, length = 0;
   std::size_t at = first;
   while (true) {
     along += tree.length(at);
-    if (along >= from) radii.push_back(seen_radius[at]);
+    if (along >= from) {
+      radii.emplace_back(seen_radius[at], std::min(tree.length(at), along - from));
+      length += radii.back().second;
+    }
     const auto next = children.of(at);
     if (along >= to || next.empty()) break;
     at = static_cast<std::size_t>(*std::max_element(next.begin(), next.end(), [&](auto x, auto y) {
       return beyond[static_cast<std::size_t>(x)] < beyond[static_cast<std::size_t>(y)];
     }));
   }
-  if (radii.empty()) radii.push_back(seen_radius[at]);
-  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>((radii.size() - 1) / 2);
-  std::nth_element(radii.begin(), middle, radii.end());
-  return {*middle, tree.end[at] - tree.start[first]};
+  std::sort(radii.begin(), radii.end());
+  double below = 0, middle = seen_radius[at];
+  for (const auto& [radius, own] : radii) {
+    middle = radius;
+    below += own;
+    if (2 * below >= length) break;
+  }
+  return {middle, tree.end[at] - tree.start[first]};
 }
 
 }  // namespace

@@ -8,14 +8,14 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <string>
 
-#include <pcl/ModelCoefficients.h>
 #include <pcl/console/print.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
+#include <pcl/sample_consensus/ransac.h>
 #include <pcl/sample_consensus/sac_model_perpendicular_plane.h>
-#include <pcl/segmentation/sac_segmentation.h>
 
 namespace dendrofit {
 namespace {
@@ -120,22 +120,24 @@ Plane robust_plane(const LowestRaster& raster, double tolerance) {
   Plane plane;
   if (cloud->size() < 3) return plane;
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // a library does not print
-  pcl::SACSegmentation<pcl::PointXYZ> segmentation(false);
-  segmentation.setModelType(pcl::SACMODEL_PERPENDICULAR_PLANE);
-  segmentation.setMethodType(pcl::SAC_RANSAC);
-  segmentation.setAxis(Eigen::Vector3f::UnitZ());
-  segmentation.setEpsAngle(M_PI / 4);
-  segmentation.setDistanceThreshold(tolerance);
-  segmentation.setMaxIterations(500);
-  segmentation.setInputCloud(cloud);
-  pcl::ModelCoefficients model;
-  pcl::PointIndices inliers;
-  segmentation.segment(inliers, model);
-  if (inliers.indices.empty() || model.values.size() != 4 || std::abs(model.values[2]) < 0.5f) return plane;
-  plane.a = -model.values[0] / model.values[2];
-  plane.b = -model.values[1] / model.values[2];
-  plane.c = -model.values[3] / model.values[2];
-  plane.inliers = inliers.indices.size();
+  // Not by way of SACSegmentation: its library takes longer to load than a small scan to reconstruct.
+  const auto model = std::make_shared<pcl::SampleConsensusModelPerpendicularPlane<pcl::PointXYZ>>(cloud);
+  model->setAxis(Eigen::Vector3f::UnitZ());
+  model->setEpsAngle(M_PI / 4);
+  pcl::RandomSampleConsensus<pcl::PointXYZ> ransac(model, tolerance);
+  ransac.setMaxIterations(500);
+  if (!ransac.computeModel()) return plane;
+  pcl::Indices inliers;
+  ransac.getInliers(inliers);
+  Eigen::VectorXf rough, fitted;
+  ransac.getModelCoefficients(rough);
+  model->optimizeModelCoefficients(inliers, rough, fitted);
+  model->selectWithinDistance(fitted, tolerance, inliers);
+  if (inliers.empty() || fitted.size() != 4 || std::abs(fitted[2]) < 0.5f) return plane;
+  plane.a = -fitted[0] / fitted[2];
+  plane.b = -fitted[1] / fitted[2];
+  plane.c = -fitted[3] / fitted[2];
+  plane.inliers = inliers.size();
   return plane;
 }
 

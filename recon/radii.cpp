@@ -5,6 +5,7 @@
 #include "recon/taper.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -39,13 +40,61 @@ NodeValues beyond_nodes(const std::vector<Limb>& limbs) {
   return beyond;
 }
 
-/// The radius of the wood in a circle through noisy points. Noise across the beam leads them out of it, by
-/// half its variance over the radius on average; and beams that graze wood are recorded at their own middle,
-/// beside it, which adds about half as much again (1.5 times the first in median over the drawn trees'
-/// scans).
-double circle_radius(const CircleFit& circle, double noise) {
+/// Mean square distances of the points about thin twigs from their middles.
+std::vector<double> twig_squares(const std::vector<Limb>& limbs, const NodeValues& beyond,
+                                 const Sights& sights) {
+  constexpr double kTip = 0.04, kTwig = 0.4;  // metres of wood beyond
+  std::vector<double> squares;
+  for (std::size_t l = 0; l < limbs.size(); ++l)
+    for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i) {
+      const Sight& s = sights[l][i];
+      if (s.spread.count > 0 && beyond[l][i] > kTip && beyond[l][i] < kTwig && !s.circle.ok)
+        squares.push_back(s.spread.square);
+    }
+  return squares;
+}
+
+constexpr double kThinnest = 3.5, kThickest = 8;  // branches whose circles tell of noise, radii in noises
+
+/// Radius of the scanner's beams where they meet wood; 0 where nothing tells. Of the beams that meet wood of
+/// radius R, w / (R + w) graze it and are recorded up to their radius w beside it, w^2 / 3 in mean square:
+/// circles' scatter grows towards thin wood by w^3 / 3 over the radius, where range noise alone stays the
+/// same. Twigs must tell of much the same beam (`twigs`: their median mean square distance): where they
+/// spread farther, wood is not round or sections hold more than one limb.
+double beam_radius(const Sights& sights, double noise, double twigs) {
+  constexpr std::size_t kFewest = 50;
+  constexpr double kMuchTheSame = 2;
+  constexpr double kBranch = 3 * kThickest;  // thicker stems are no circles to the millimetre
+  std::array<std::vector<double>, 2> square, curvature;
+  for (const auto& limb : sights)
+    for (const Sight& s : limb) {
+      if (!s.circle.ok || s.circle.radius < kThinnest * noise || s.circle.radius > kBranch * noise) continue;
+      const std::size_t k = s.circle.radius > kThickest * noise;
+      square[k].push_back(s.circle.rms * s.circle.rms);
+      curvature[k].push_back(1 / s.circle.radius);
+    }
+  if (std::min(square[0].size(), square[1].size()) < kFewest) return 0;
+  const double slope =
+      (median(square[0]) - median(square[1])) / (median(curvature[0]) - median(curvature[1]));
+  const double beam = std::cbrt(3 * std::max(0.0, slope));
+  return 0.5 * twigs > kMuchTheSame * (median(square[1]) + beam * beam / 3) ? 0 : beam;
+}
+
+/// By how much circles through noisy points are too wide, times twice their radius. Noise across the beam
+/// leads points out of the wood, by half its variance over the radius on average; and beams that graze wood
+/// are recorded at their own middle, beside it, which adds about half as much again (1.5 times the first in
+/// median over the drawn trees' scans). Beams far wider than the noise do so by up to half their radius
+/// squared.
+double swell_of(const std::vector<Limb>& limbs, const NodeValues& beyond, const Sights& sights,
+                double noise) {
   constexpr double kGrazing = 1.5;
-  return circle.radius - kGrazing * noise * noise / (2 * circle.radius);
+  const double beam = beam_radius(sights, noise, median(twig_squares(limbs, beyond, sights)));
+  return std::max(kGrazing * noise * noise, beam * beam);
+}
+
+/// The radius of the wood in a circle through noisy points.
+double circle_radius(const CircleFit& circle, double swell) {
+  return circle.radius - swell / (2 * circle.radius);
 }
 
 /// What a thin twig's points tell of its radius squared. Their mean square distance from the axis is the
@@ -67,33 +116,46 @@ Square radius_squared(const Spread& spread, double noise, double seen) {
 
 /// The share of the radius squared that is left in thin twigs' spread about their own middle: 1 where wood is
 /// seen from all sides, 0.38 from one. The same stations see thick and thin wood, so it is that of circles
-/// thick enough to be fitted without bias, and no thicker than branches.
-double seen_share(const std::vector<Limb>& limbs, const Sights& sights, double noise) {
+/// thick enough to be fitted without bias, and no thicker than branches; but never more than thicker wood
+/// shows, which clusters of twigs taken for circles might.
+double seen_share(const std::vector<Limb>& limbs, const Sights& sights, double noise, double swell) {
   constexpr double kOneSide = 0.38;
-  constexpr double kThinnest = 3.5, kThickest = 8;  // radii in noises
   constexpr std::size_t kFewest = 20;
-  std::vector<double> shares;
+  std::vector<double> branches, thicker;
   for (std::size_t l = 0; l < limbs.size(); ++l)
     for (const Sight& s : sights[l]) {
-      if (!s.circle.ok || s.spread.count == 0 || s.circle.radius < kThinnest * noise ||
-          s.circle.radius > kThickest * noise)
-        continue;
-      shares.push_back((s.spread.square - 2 * noise * noise) / std::pow(circle_radius(s.circle, noise), 2));
+      if (!s.circle.ok || s.spread.count == 0 || s.circle.radius < kThinnest * noise) continue;
+      (s.circle.radius > kThickest * noise ? thicker : branches)
+          .push_back((s.spread.square - 2 * noise * noise) / std::pow(circle_radius(s.circle, swell), 2));
     }
-  if (shares.size() < kFewest) return 1;
-  return std::clamp(median(shares), kOneSide, 1.0);
+  double share = 1;
+  for (const std::vector<double>* shares : {&branches, &thicker})
+    if (shares->size() >= kFewest) share = std::min(share, median(*shares));
+  return std::max(share, kOneSide);
+}
+
+/// The pipe relation that the stems' circles tell (Shinozaki et al. 1964): cross-sections in proportion to
+/// the wood length beyond. Returns the radius that bears one metre; 0 where no stem shows a circle.
+double pipe_scale(const std::vector<Limb>& limbs, const NodeValues& beyond, const Sights& sights,
+                  double swell) {
+  std::vector<double> scales;
+  for (std::size_t l = 0; l < limbs.size(); ++l)
+    for (std::size_t i = 0; limbs[l].parent < 0 && i < limbs[l].nodes.size(); ++i)
+      if (sights[l][i].circle.ok && beyond[l][i] > 1)
+        scales.push_back(circle_radius(sights[l][i].circle, swell) / std::sqrt(beyond[l][i]));
+  return median(scales);
 }
 
 /// The tree's own radius for a given wood length beyond: medians in classes of length (so that noise in
 /// single places averages out and none is selected by its size), then a line through them in logarithms.
 Allometry fit_allometry(const std::vector<Limb>& limbs, const NodeValues& beyond, const Sights& sights,
-                        double noise, double seen, double tip_radius) {
+                        double noise, double swell, double seen, double tip_radius) {
   constexpr double kClass = 0.5;  // in natural logarithms of length
   Allometry allometry;
   allometry.tip_radius_m = tip_radius;
   std::map<int, std::vector<double>> classes;
   const auto square_of = [&](const Sight& s) {
-    return s.circle.ok ? std::pow(circle_radius(s.circle, noise), 2)
+    return s.circle.ok ? std::pow(circle_radius(s.circle, swell), 2)
                        : radius_squared(s.spread, noise, seen).value;
   };
   for (std::size_t l = 0; l < limbs.size(); ++l)
@@ -117,12 +179,19 @@ Allometry fit_allometry(const std::vector<Limb>& limbs, const NodeValues& beyond
     add(std::sqrt(static_cast<double>(std::min<std::size_t>(squares.size(), 100))), (index + 0.5) * kClass,
         0.5 * std::log(r2));
   }
+  // Where a scan is too sparse to tell twigs apart they seem many times as thick as the stem could feed.
+  constexpr double kMostOfPipe = 3;
+  const double pipe = pipe_scale(limbs, beyond, sights, swell);
+  allometry.scale = pipe;
   if (allometry.places < 20) return allometry;
   add(5, std::log(0.05), std::log(tip_radius));  // a twig's last five centimetres
   const double det = sw * sxx - sx * sx;
   if (!(det > 1e-9 * sw * sw)) return allometry;
-  allometry.exponent = std::clamp((sw * sxy - sx * sy) / det, 0.25, 1.0);
-  allometry.scale = std::exp((sy - allometry.exponent * sx) / sw);
+  const double exponent = std::clamp((sw * sxy - sx * sy) / det, 0.25, 1.0);
+  const double scale = std::exp((sy - exponent * sx) / sw);
+  if (pipe > 0 && scale > kMostOfPipe * pipe) return allometry;
+  allometry.exponent = exponent;
+  allometry.scale = scale;
   std::vector<double> off;
   for (std::size_t l = 0; l < limbs.size(); ++l)
     for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i) {
@@ -136,8 +205,8 @@ Allometry fit_allometry(const std::vector<Limb>& limbs, const NodeValues& beyond
 
 /// One limb's radii and their weights from what was seen and what the tree's allometry expects.
 void weigh(Limb& limb, const std::vector<double>& beyond, const std::vector<Sight>& sights,
-           const Allometry& allometry, double noise, double seen_share, std::vector<double>& radius,
-           std::vector<double>& weight) {
+           const Allometry& allometry, double noise, double swell, double seen_share,
+           std::vector<double>& radius, std::vector<double>& weight) {
   const std::size_t n = limb.nodes.size();
   radius.assign(n, 0);
   weight.assign(n, 0);
@@ -153,7 +222,7 @@ void weigh(Limb& limb, const std::vector<double>& beyond, const std::vector<Sigh
     weight[i] = 1 / (doubt * doubt);
     node.measured = false;
     if (s.circle.ok) {
-      const double r = circle_radius(s.circle, noise);
+      const double r = circle_radius(s.circle, swell);
       const double se = std::hypot(s.circle.radius_se, 0.1 * noise) / std::sqrt(s.circle.coverage);
       const double w = 1 / (se * se);
       radius[i] = (w * r + 0.2 * weight[i] * expected) / (w + 0.2 * weight[i]);
@@ -210,25 +279,30 @@ double Allometry::radius_at(double beyond_m) const {
 }
 
 /// Noise and footprint from the thinnest twigs, where nearly all spread is theirs; thick wood, where the
-/// scatter about the circles is range noise alone, bounds it.
+/// scatter about the circles is range noise alone, bounds it. In leaf, what twigs show beyond thick wood is
+/// the beams' width or the leaves left about them: half of it is taken for either.
 double scan_noise(const std::vector<Limb>& limbs, const Sights& sights, double fallback_m,
                   const RadiusOptions& options) {
-  const NodeValues beyond = beyond_nodes(limbs);
   const double tip_radius = 0.5 * options.twig_diameter_m.value_or(kUsualTwigDiameter);
-  std::vector<double> twigs, stems;
-  for (std::size_t l = 0; l < limbs.size(); ++l)
-    for (std::size_t i = 0; i < limbs[l].nodes.size(); ++i) {
-      const Sight& s = sights[l][i];
-      if (s.circle.ok && s.circle.radius > 0.03 && s.circle.coverage > 0.5) stems.push_back(s.circle.rms);
-      if (s.spread.count > 0 && beyond[l][i] > 0.04 && beyond[l][i] < 0.4 && !s.circle.ok)
-        twigs.push_back(s.spread.square);
-    }
+  constexpr double kHalf = 0.5;  // of the girth: more is never seen from one station
+  constexpr std::size_t kFewest = 5;
+  const std::vector<double> twigs = twig_squares(limbs, beyond_nodes(limbs), sights);
+  std::vector<double> stems, arcs;
+  for (const std::vector<Sight>& limb : sights)
+    for (const Sight& s : limb)
+      if (s.circle.ok && s.circle.radius > 0.03)
+        (s.circle.coverage > kHalf ? stems : arcs).push_back(s.circle.rms);
+  if (stems.size() < kFewest) stems.insert(stems.end(), arcs.begin(), arcs.end());
   double noise = fallback_m;
   if (twigs.size() >= 20)
     noise = std::sqrt(0.5 * std::max(0.0, median(twigs) - 1.5 * tip_radius * tip_radius));
-  else if (stems.size() >= 10)
+  else if (stems.size() >= kFewest)
     noise = median(stems);
-  if (stems.size() >= 10) noise = std::min(noise, 1.7 * median(stems));
+  if (stems.size() >= kFewest) {
+    const double thick = median(stems);
+    noise = std::min(noise, 1.7 * thick);
+    if (options.in_leaf && noise > thick) noise = std::sqrt(0.5 * (noise * noise + thick * thick));
+  }
   return std::clamp(noise, 0.0005, 0.05);
 }
 
@@ -239,13 +313,14 @@ RadiusReport settle_radii(std::vector<Limb>& limbs, const Sights& sights, double
   report.noise_m = noise_m;
   const NodeValues beyond = beyond_nodes(limbs);
   const double tip_radius = 0.5 * options.twig_diameter_m.value_or(kUsualTwigDiameter);
-  const double seen = seen_share(limbs, sights, noise_m);
-  report.allometry = fit_allometry(limbs, beyond, sights, noise_m, seen, tip_radius);
+  const double swell = swell_of(limbs, beyond, sights, noise_m);
+  const double seen = seen_share(limbs, sights, noise_m, swell);
+  report.allometry = fit_allometry(limbs, beyond, sights, noise_m, swell, seen, tip_radius);
   std::vector<double> value, weight, limb_radius, limb_weight;
   std::vector<std::int32_t> parent;
   std::vector<std::size_t> first(limbs.size());
   for (std::size_t l = 0; l < limbs.size(); ++l) {
-    weigh(limbs[l], beyond[l], sights[l], report.allometry, noise_m, seen, limb_radius, limb_weight);
+    weigh(limbs[l], beyond[l], sights[l], report.allometry, noise_m, swell, seen, limb_radius, limb_weight);
     first[l] = value.size();
     for (std::size_t i = 0; i < limb_radius.size(); ++i) {
       const auto here = static_cast<std::int32_t>(value.size());

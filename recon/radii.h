@@ -13,6 +13,7 @@ namespace dendrofit {
 
 struct RadiusOptions {
   std::optional<double> twig_diameter_m = std::nullopt;  ///< of the species' twig ends, where known
+  bool in_leaf = false;                                  ///< leaves left about thin twigs widen them
   void validate() const;
 };
 

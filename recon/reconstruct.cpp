@@ -207,8 +207,8 @@ Reconstruction reconstruct(const PointCloud& cloud, const ReconstructOptions& op
   std::vector<Limb> limbs = make_limbs(scan.points, sections, graph.typical_spacing_m, skeleton_options);
   clock.mark("skeleton");
 
-  const RadiusOptions radius_options{.twig_diameter_m = options.twig_diameter_m};
-  SightOptions seeing{.noise_m = std::clamp(0.25 * graph.typical_spacing_m, 0.001, 0.02),
+  const RadiusOptions radius_options{.twig_diameter_m = options.twig_diameter_m, .in_leaf = result.leaf_on};
+  SightOptions seeing{.noise_m = std::clamp(0.25 * graph.typical_spacing_m, 0.001, 0.006),
                       .threads = options.threads};
   progress.begin("centre lines", 0, "limbs");
   Sights sights = look_at_limbs(scan.points, limbs, seeing, progress);

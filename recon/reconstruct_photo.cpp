@@ -47,7 +47,9 @@ PhotoReconstruction reconstruct_photo(const Photograph& photo, const Reconstruct
                              .camera = options.camera,
                              .metric_camera = options.metric_camera,
                              .eye_height_m = options.eye_height_m,
-                             .horizon_px = silhouette.horizon_px});
+                             .horizon_px = silhouette.horizon_px,
+                             .top_spread_px = outline.top_spread,
+                             .crown_width_px = outline.right - outline.left});
   result.metric = result.frame.scale_source != "none";
   result.outline = measure_outline(silhouette, outline, result.skeleton, result.frame);
   tell_scale(result.frame, silhouette, result.outline, result.warnings);

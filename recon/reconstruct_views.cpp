@@ -118,7 +118,8 @@ Agreement settle_poses(Work& work, const ViewSet& set, const ViewsOptions& optio
   for (const double looser : kLooser) {
     if (loose.mean() >= kGoodShare) break;
     CarveOptions wider = carving;
-    wider.tolerance_px += looser;
+    wider.tolerance_px += looser;  // only starts the refinement: coarse cells do
+    wider.most_coarse_cells = wider.most_cells;
     loose = agreement(work.cameras, work.outlines, wider, progress);
   }
   for (int round = 0; round < kRefinements && !loose.hull.cells.empty(); ++round) {

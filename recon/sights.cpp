@@ -2,6 +2,7 @@
 #include "recon/sights.h"
 
 #include "core/parallel.h"
+#include "recon/select.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,11 +14,34 @@ namespace dendrofit {
 namespace {
 
 constexpr double kShortestWindow = 0.03;  // half the length along which points are seen together, metres
-constexpr double kLongestWindow = 0.10;
+constexpr double kLongestWindow = 0.10;   // more where wood is thick: its taper and bends are slow
+constexpr double kLongestRadii = 3;
 constexpr std::size_t kEnoughPoints = 14;
 constexpr std::size_t kFewestPoints = 6;
 constexpr double kArcOnly = 4;  // radii in noises: thicker wood is judged by circles alone
 constexpr double kUnseen = std::numeric_limits<double>::infinity();
+
+/// A limb's points, node by node, each relative to its node and without its part along the line there: the
+/// line's own bends do not widen the wood.
+struct Offsets {
+  std::vector<std::size_t> first;  // of each node's, then of all
+  std::vector<Vec3> across;
+
+  void set(const std::vector<Vec3>& points, const Limb& limb) {
+    first.assign(1, 0);
+    across.clear();
+    for (std::size_t j = 0; j < limb.nodes.size(); ++j) {
+      const LimbNode& n = limb.nodes[j];
+      const Vec3 direction = direction_at(limb, j);
+      for (const std::uint32_t p : n.points) {
+        Vec3 d = points[p] - n.centre;
+        d -= direction * d.dot(direction);
+        across.push_back(d);
+      }
+      first.push_back(across.size());
+    }
+  }
+};
 
 /// The points about one node, seen along the centre line.
 struct View {
@@ -25,53 +49,62 @@ struct View {
   Vec3 u, v;
 };
 
-void look(const std::vector<Vec3>& points, const Limb& limb, std::size_t node, double half_window,
+/// Looks through a window that is half as wide again until enough points are seen, or it is `longest` or
+/// more.
+void look(const Limb& limb, const Offsets& offsets, std::size_t node, double half_window, double longest,
           View& view) {
+  const double here = limb.nodes[node].along_m;
+  std::size_t begin = node, end = node + 1;
+  for (;; half_window *= 1.5) {
+    while (begin > 0 && here - limb.nodes[begin - 1].along_m <= half_window) --begin;
+    while (end < limb.nodes.size() && limb.nodes[end].along_m - here <= half_window) ++end;
+    if (offsets.first[end] - offsets.first[begin] >= kEnoughPoints || half_window >= longest) break;
+  }
   view.flat.clear();
   plane_frame(direction_at(limb, node), view.u, view.v);
-  const double here = limb.nodes[node].along_m;
   const auto add = [&](std::size_t j) {
-    const LimbNode& n = limb.nodes[j];
-    const Vec3 direction = direction_at(limb, j);
-    for (const std::uint32_t p : n.points) {
-      Vec3 d = points[p] - n.centre;
-      d -= direction * d.dot(direction);  // the line's own bends do not widen the wood
-      view.flat.emplace_back(d.dot(view.u), d.dot(view.v));
-    }
+    for (std::size_t k = offsets.first[j]; k < offsets.first[j + 1]; ++k)
+      view.flat.emplace_back(offsets.across[k].dot(view.u), offsets.across[k].dot(view.v));
   };
   add(node);
-  for (std::size_t j = node; j-- > 0 && here - limb.nodes[j].along_m <= half_window;) add(j);
-  for (std::size_t j = node + 1; j < limb.nodes.size() && limb.nodes[j].along_m - here <= half_window; ++j)
-    add(j);
+  for (std::size_t j = node; j-- > begin;) add(j);
+  for (std::size_t j = node + 1; j < end; ++j) add(j);
 }
 
-Spread spread_of(const std::vector<Eigen::Vector2d>& flat, std::vector<double>& scratch) {
+Spread spread_of(const std::vector<Eigen::Vector2d>& flat) {
   constexpr double kFarthest = 6;  // medians of the squared distance; noise alone leaves 2 % beyond
   constexpr double kMiddle = 3;    // a twig's base pulls the middle from nearer
   Spread spread;
   if (flat.size() < kFewestPoints) return spread;
-  double limit = 1e300;
+  thread_local std::vector<double> square, order;
+  square.resize(flat.size());
+  const auto set_squares = [&] {
+    for (std::size_t i = 0; i < flat.size(); ++i) square[i] = (flat[i] - spread.middle).squaredNorm();
+  };
+  set_squares();
+  double limit = 1e300, half = 0;
   for (int pass = 0; pass < 4; ++pass) {
     Eigen::Vector2d sum(0, 0);
     std::size_t count = 0;
     double squares = 0;
-    for (const auto& p : flat) {
-      const double square = (p - spread.middle).squaredNorm();
-      if (square > limit) continue;
-      sum += p;
-      squares += square;
+    for (std::size_t i = 0; i < flat.size(); ++i) {
+      if (square[i] > limit) continue;
+      sum += flat[i];
+      squares += square[i];
       ++count;
     }
     if (count < 3) break;
     spread.count = count;
     spread.square = squares / static_cast<double>(count);
     if (pass == 3) break;  // about the last pass's middle
-    spread.middle = sum / static_cast<double>(count);
-    scratch.clear();
-    for (const auto& p : flat) scratch.push_back((p - spread.middle).squaredNorm());
-    const auto half = scratch.begin() + static_cast<std::ptrdiff_t>(scratch.size() / 2);
-    std::nth_element(scratch.begin(), half, scratch.end());
-    limit = (pass < 2 ? kMiddle : kFarthest) * *half;
+    const Eigen::Vector2d middle = sum / static_cast<double>(count);
+    if (pass == 0 || middle != spread.middle) {  // else the same points had a say as before
+      spread.middle = middle;
+      set_squares();
+      order = square;
+      half = kth_smallest(order, order.size() / 2);
+    }
+    limit = (pass < 2 ? kMiddle : kFarthest) * half;
   }
   const auto n = static_cast<double>(spread.count);
   spread.square *= n / (n - 1);
@@ -81,7 +114,7 @@ Spread spread_of(const std::vector<Eigen::Vector2d>& flat, std::vector<double>& 
 /// A circle that describes the points well enough to replace their spread.
 CircleFit sound_circle(const View& view, const LimbNode& node, double apparent, double noise) {
   if (node.rough_radius_m < 2 * noise || view.flat.size() < kEnoughPoints) return {};
-  CircleFit fit = algebraic_circle(view.flat);
+  CircleFit fit = taubin_circle(view.flat);
   if (!fit.ok || fit.radius > 2.5 * std::max(apparent, node.rough_radius_m)) return {};
   fit = robust_circle(view.flat, fit, noise);
   const bool sound = fit.ok && fit.coverage >= 0.3 && fit.radius > 2.5 * noise &&
@@ -103,21 +136,20 @@ Sights look_at_some_limbs(const std::vector<Vec3>& points, const std::vector<Lim
   parallel_blocks(limbs.size(), 64, options.threads, [&](std::size_t first, std::size_t last) {
     progress.check();
     View view;
-    std::vector<double> scratch;
+    Offsets offsets;
     for (std::size_t l = first; l < last; ++l) {
       if (!wanted[l]) continue;
       const Limb& limb = limbs[l];
       sights[l].assign(limb.nodes.size(), {});
+      offsets.set(points, limb);
       for (std::size_t i = 0; i < limb.nodes.size(); ++i) {
         const LimbNode& node = limb.nodes[i];
         Sight& sight = sights[l][i];
         sight.centre = node.centre;
         sight.centre_se = kUnseen;
-        double window = std::max(kShortestWindow, 0.6 * node.rough_radius_m);
-        look(points, limb, i, window, view);
-        for (; view.flat.size() < kEnoughPoints && window < kLongestWindow; window *= 1.5)
-          look(points, limb, i, 1.5 * window, view);
-        sight.spread = spread_of(view.flat, scratch);
+        const double longest = std::max(kLongestWindow, kLongestRadii * node.rough_radius_m);
+        look(limb, offsets, i, std::max(kShortestWindow, 0.6 * node.rough_radius_m), longest, view);
+        sight.spread = spread_of(view.flat);
         if (sight.spread.count == 0) continue;
         const double apparent = std::sqrt(sight.spread.square);
         sight.circle = sound_circle(view, node, apparent, options.noise_m);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace dendrofit {
 namespace {
@@ -111,14 +112,17 @@ void SkeletonOptions::validate() const {
 
 LimbPlace nearest_place(const Limb& limb, const Vec3& point, std::size_t first, std::size_t last) {
   LimbPlace best;
+  double least = std::numeric_limits<double>::infinity();  // squared distance
   for (std::size_t i = first; i <= last; ++i) {
     const LimbNode& a = limb.nodes[i];
     const LimbNode& b = limb.nodes[std::min(i + 1, limb.nodes.size() - 1)];
     const Vec3 run = b.centre - a.centre;
     const double square = run.squaredNorm();
     const double t = square > 0 ? std::clamp((point - a.centre).dot(run) / square, 0.0, 1.0) : 0;
-    const double distance = (a.centre + t * run - point).norm();
-    if (distance < best.distance_m)
+    const double squared = (a.centre + t * run - point).squaredNorm();
+    if (!(squared < least)) continue;
+    least = squared;
+    if (const double distance = std::sqrt(squared); distance < best.distance_m)
       best = {i, (1 - t) * a.along_m + t * b.along_m, distance,
               (1 - t) * a.rough_radius_m + t * b.rough_radius_m};
   }

@@ -45,9 +45,10 @@ double volume_of(const Limb& limb) {
   return volume;
 }
 
-/// The most voluminous limbs that together hold kHeavyShare of the wood, in rising order.
-std::vector<std::size_t> heavy_limbs(const std::vector<Limb>& limbs) {
-  std::vector<std::size_t> order(limbs.size()), heavy;
+/// Marks the most voluminous limbs that together hold kHeavyShare of the wood.
+std::vector<char> heavy_limbs(const std::vector<Limb>& limbs) {
+  std::vector<std::size_t> order(limbs.size());
+  std::vector<char> heavy(limbs.size(), 0);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::vector<double> volume(limbs.size());
   double all = 0, held = 0;
@@ -57,24 +58,48 @@ std::vector<std::size_t> heavy_limbs(const std::vector<Limb>& limbs) {
   for (const std::size_t l : order) {
     if (held > kHeavyShare * all) break;
     held += volume[l];
-    heavy.push_back(l);
+    heavy[l] = 1;
   }
-  std::sort(heavy.begin(), heavy.end());
   return heavy;
 }
 
+/// The limbs with the points that the halves look at: those of the heavy limbs and of such as pass breast
+/// height. Of the others the highest point is left.
+struct Stripped {
+  std::vector<Limb> limbs;
+  double top_m = -1e300;
+};
+
+Stripped strip(const std::vector<Vec3>& points, const std::vector<Limb>& limbs,
+               const std::vector<char>& heavy, const std::optional<double>& breast_z_m) {
+  constexpr double kReach_m = 0.6;  // of the slices about breast height
+  Stripped stripped{limbs};
+  for (std::size_t l = 0; l < limbs.size(); ++l) {
+    std::vector<LimbNode>& nodes = stripped.limbs[l].nodes;
+    const auto at_breast = [&](const LimbNode& node) {
+      return breast_z_m && std::abs(node.centre.z() - *breast_z_m) < kReach_m;
+    };
+    if (heavy[l] || std::any_of(nodes.begin(), nodes.end(), at_breast)) continue;
+    for (LimbNode& node : nodes) {
+      for (const std::uint32_t p : node.points) stripped.top_m = std::max(stripped.top_m, points[p].z());
+      node.points = {};
+    }
+  }
+  return stripped;
+}
+
 /// Radii of the heavy limbs from those of their points whose draw in this round is `side`.
-std::vector<Limb> settled_half(const std::vector<Vec3>& points, const std::vector<Limb>& limbs,
-                               const std::vector<std::size_t>& heavy, Sights sights,
-                               const std::vector<char>& draw, char side, const SubsampleOptions& options) {
-  std::vector<Limb> half = limbs, part;
-  for (const std::size_t l : heavy) {
+std::vector<Limb> settled_half(const std::vector<Vec3>& points, std::vector<Limb> half,
+                               const std::vector<char>& heavy, Sights sights, const std::vector<char>& draw,
+                               char side, const SubsampleOptions& options) {
+  for (std::size_t l = 0; l < half.size(); ++l) {
+    if (!heavy[l]) continue;
     for (LimbNode& node : half[l].nodes)
       std::erase_if(node.points, [&](std::uint32_t p) { return draw[p] != side; });
-    part.push_back(half[l]);
   }
-  Sights seen = look_at_limbs(points, part, options.seeing);
-  for (std::size_t k = 0; k < heavy.size(); ++k) sights[heavy[k]] = std::move(seen[k]);
+  Sights seen = look_at_some_limbs(points, half, heavy, options.seeing);
+  for (std::size_t l = 0; l < half.size(); ++l)
+    if (heavy[l]) sights[l] = std::move(seen[l]);
   settle_radii(half, sights, options.seeing.noise_m, options.radii);
   return half;
 }
@@ -84,7 +109,8 @@ std::vector<Limb> settled_half(const std::vector<Vec3>& points, const std::vecto
 SubsampleSpread subsample(const std::vector<Vec3>& points, const std::vector<Limb>& limbs,
                           const Sights& sights, const SubsampleOptions& options, Progress& progress) {
   const Measures whole = measures_of(points, limbs, options);
-  const std::vector<std::size_t> heavy = heavy_limbs(limbs);
+  const std::vector<char> heavy = heavy_limbs(limbs);
+  const Stripped stripped = strip(points, limbs, heavy, options.breast_z_m);
   double dbh = 0, dbhs = 0, top = 0, stem = 0, branch = 0, halves = 0;
   std::vector<char> draw(points.size());
   for (int round = 0; round < options.rounds; ++round) {
@@ -92,8 +118,9 @@ SubsampleSpread subsample(const std::vector<Vec3>& points, const std::vector<Lim
     Random random = Random(options.seed).child({0x5b5a, static_cast<std::uint64_t>(round)});
     for (char& d : draw) d = static_cast<char>(random.bits() >> 63);
     for (const char side : {0, 1}) {
-      const Measures m =
-          measures_of(points, settled_half(points, limbs, heavy, sights, draw, side, options), options);
+      Measures m = measures_of(
+          points, settled_half(points, stripped.limbs, heavy, sights, draw, side, options), options);
+      m.top_m = std::max(m.top_m, stripped.top_m);
       if (m.dbh_m && whole.dbh_m) {
         dbh += std::pow(*m.dbh_m - *whole.dbh_m, 2);
         dbhs += 1;

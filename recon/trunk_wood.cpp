@@ -92,7 +92,7 @@ Ring first_ring(const std::vector<Vec3>& points, const Paths& paths, const Slice
   for (k = 0; k < slices.points.size() && slices.middle(k) - slices.low < kLooksFromFoot_m; ++k) {
     const Look seen = look(points, slices, k, ring, std::min(2 * spread, 2 * thickest));
     if (seen.flat.size() < kFewestPoints) continue;
-    const CircleFit start = algebraic_circle(seen.flat);
+    const CircleFit start = taubin_circle(seen.flat);
     if (!start.ok || start.radius > thickest) continue;
     const CircleFit fit = robust_circle(seen.flat, start, 0.05 * start.radius);
     if (!is_sound(fit, seen) || fit.radius > thickest) continue;

@@ -144,6 +144,8 @@ void CarveOptions::validate() const {
           "must lie between 0.1 mm and 1 m");
   require(std::isfinite(tolerance_px) && tolerance_px >= 0 && tolerance_px <= 100, "tolerance_px",
           tolerance_px, "must lie between 0 and 100 pixels");
+  require(most_coarse_cells >= most_cells, "most_coarse_cells", static_cast<double>(most_coarse_cells),
+          "must not be below most_cells");
   require(misses_allowed >= 0, "misses_allowed", misses_allowed, "must not be negative");
 }
 
@@ -198,7 +200,11 @@ Hull carve(const std::vector<Camera>& cameras, const std::vector<Outline>& outli
   std::vector<Cell> cells{{0, 0, 0}};
   progress.begin("carve", levels, "levels");
   int level = 0;
-  while (level + 1 < levels && cells.size() <= options.most_cells / 4) {
+  const auto too_many = [&] {
+    const bool fine = side_of(level) < 2.5 * options.cell_m;
+    return cells.size() > (fine ? options.most_cells : options.most_coarse_cells) / 4;
+  };
+  while (level + 1 < levels && !too_many()) {
     ++level;
     const double side = side_of(level);
     const auto open = [&](const Cell& cell) {
@@ -210,7 +216,7 @@ Hull carve(const std::vector<Camera>& cameras, const std::vector<Outline>& outli
     progress.advance(1);
   }
   // A hull too large for finer cells is kept in those it has come to.
-  const bool coarse = level > 0 && cells.size() > options.most_cells / 4;
+  const bool coarse = level > 0 && too_many();
   const int last = coarse ? level : level + 1;
   const auto centre_of = [&](const Cell& cell) {
     return Vec3(corner + side_of(last) * (Vec3(cell.x, cell.y, cell.z) + Vec3::Constant(0.5)));

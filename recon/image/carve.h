@@ -18,7 +18,8 @@ struct CarveOptions {
   double cell_m = 0.003;      ///< side of the smallest cells
   double tolerance_px = 0.7;  ///< this far outside a mask still counts as inside: half a pixel and some blur
   int misses_allowed = 0;     ///< views in which a cell may lie outside the mask
-  std::size_t most_cells = 3'000'000;  ///< a hull of many more is kept in larger cells
+  std::size_t most_cells = 3'000'000;          ///< a hull of many more is kept in cells twice as large
+  std::size_t most_coarse_cells = 16'000'000;  ///< and of many more of these in larger ones still
   int threads = 0;
   void validate() const;
 };

@@ -28,6 +28,32 @@ Camera assumed_camera(int width, int height, const std::optional<double>& horizo
   return camera;
 }
 
+constexpr double kEyeHeightError = 0.15;  // metres
+
+/// How high above the tree its top is taken for, relative, and how well that is known.
+struct Lead {
+  double value = 0, error = 0;
+};
+
+/// `rise`: of the top above the eye, over the height. With spread s of the top fifth of height h at distance
+/// D, the paraboloid's radius of curvature is R = 15 s^2 / h; a point y before its top is seen
+/// rise y / D higher and lies y^2 / (2 R) lower, at most rise^2 R / (2 D^2) in all.
+Lead lead_of_top(const PictureFrame& frame, double rise, const FrameOptions& options) {
+  constexpr double widest = 0.2;  // beyond, the crown reaches the camera
+  const double q = std::min(widest, std::abs(rise) * options.top_spread_px / frame.camera.fx);
+  const double leaning = std::abs(rise) * options.crown_width_px / 6 / frame.camera.fx;
+  return {7.5 * q * q, 0.6 * std::hypot(q, leaning)};
+}
+
+/// The lead that a told height and the eye height give together; `by_eye` what the eye height alone gives.
+/// An eye height that contradicts the height (a camera on a slope or a pole) says nothing.
+Lead joined(const Lead& lead, double by_eye, double eye_error) {
+  const double open = std::hypot(lead.error, eye_error);
+  if (!(std::abs(by_eye - lead.value) < 2 * open)) return lead;
+  const double weight = std::pow(eye_error / open, 2);
+  return {std::max(0.0, weight * lead.value + (1 - weight) * by_eye), lead.error * std::sqrt(weight)};
+}
+
 /// Metres from `a` to `b` on the plane, if the camera stands one metre from it.
 double unit_length(const PictureFrame& unit, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const auto p = unit.point(a), q = unit.point(b);
@@ -56,6 +82,11 @@ std::optional<Vec3> PictureFrame::point(const Eigen::Vector2d& pixel, double dep
   return camera.centre() + ray * ((distance_m + depth_m) / forward);
 }
 
+double PictureFrame::height_to(const Eigen::Vector2d& top_px) const {
+  const auto top = point(top_px);
+  return top ? (top->z() - foot.z()) / (1 + top_lead) : 0;
+}
+
 double PictureFrame::metres_per_pixel(const Vec3& at) const {
   return camera.depth(at) / camera.fx;
 }
@@ -80,10 +111,14 @@ PictureFrame frame_tree(int width, int height, const Eigen::Vector2d& foot_px, c
   const double unit_height = top ? top->z() - centre.z() + below : 0;
   if (!(unit_height > 0))
     throw InputError("the tree's top is not above its foot in the picture: choose the foot with --root");
-  double scale = 1 / unit_height;
+  Lead lead = lead_of_top(frame, (unit_height - below) / unit_height, options);
+  double scale = (1 + lead.value) / unit_height;
   frame.scale_source = "none";
   if (options.height_m) {
-    scale = *options.height_m / unit_height;
+    if ((frame.known_camera || options.horizon_px) && below > 0.02)
+      lead = joined(lead, options.eye_height_m / below * unit_height / *options.height_m - 1,
+                    kEyeHeightError / options.eye_height_m);
+    scale = *options.height_m * (1 + lead.value) / unit_height;
     frame.scale_source = "height";
     frame.scale_error = 0.01;
   } else if (options.scale_bar) {
@@ -98,8 +133,10 @@ PictureFrame frame_tree(int width, int height, const Eigen::Vector2d& foot_px, c
           "the tree's foot is not below the camera, so the camera's height gives no scale: give --height");
     scale = options.eye_height_m / below;
     frame.scale_source = "eye height";
-    frame.scale_error = 0.15 / options.eye_height_m;
+    frame.scale_error = kEyeHeightError / options.eye_height_m;
   }
+  frame.top_lead = lead.value;
+  frame.top_lead_error = lead.error;
   frame.distance_m = scale;
   if (!frame.known_camera || !options.metric_camera) {
     // The foot is the origin of a world whose camera is free.

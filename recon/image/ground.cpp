@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "recon/image/ground.h"
 
+#include "recon/image/stem_edges.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -10,8 +12,8 @@
 namespace dendrofit {
 namespace {
 
-constexpr double kLeastContrast = 8;      ///< grey levels: a stem's colour differs from the ground's by more
-constexpr double kOfUsualContrast = 0.2;  ///< and by more than this share of what most of its rows do
+constexpr double kLeastContrast = 8;       ///< grey levels: a stem's colour differs from the ground's by more
+constexpr double kOfUsualContrast = 0.35;  ///< and by more than this share of what most of its rows do
 
 /// The strip at half size, and where it lies.
 struct Strip {
@@ -73,14 +75,29 @@ std::vector<double> running_median(const std::vector<double>& values, std::size_
   return smooth;
 }
 
-struct StemRow {
-  int row, first, last;
-};
+/// Edges without the jumps of single rows (a twig before or behind, a row that was misread).
+void straighten(std::vector<StemRow>& rows) {
+  constexpr std::size_t reach = 7;
+  std::vector<double> first, last;
+  for (const StemRow& row : rows) first.push_back(row.first), last.push_back(row.last);
+  first = running_median(first, reach);
+  last = running_median(last, reach);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].first = static_cast<int>(first[i]);
+    rows[i].last = static_cast<int>(last[i]);
+  }
+}
+
+/// Mean colour of the middle half of a row of the stem.
+Colour bark_of(const Photograph& photo, const StemRow& row) {
+  const int quarter = (row.last - row.first + 1) / 4;
+  return mean_colour(photo, row.row, row.first + quarter, row.last - quarter);
+}
 
 /// How much a row of the stem differs in colour from what is beside it, on the side where it differs less.
 double standing_out(const Photograph& photo, const StemRow& row) {
   const int width = std::max(4, row.last - row.first + 1), gap = std::max(2, width / 6);
-  const Colour wood = mean_colour(photo, row.row, row.first + width / 4, row.last - width / 4);
+  const Colour wood = bark_of(photo, row);
   double least = 1e9;
   for (const int side : {-1, 1}) {
     const int near = (side < 0 ? row.first : row.last) + side * gap, far = near + side * (width + 4);
@@ -162,11 +179,14 @@ int follow_stem_down(const Photograph& photo, const StemCrossing& stem, std::vec
     const std::uint8_t l = label.at<std::uint8_t>(y, x);
     return l == cv::GC_FGD || l == cv::GC_PR_FGD;
   };
-  // Row by row: the run of wood over where the rows above lead. Where what is behind looks like bark, rows
-  // are carried on as the stem comes down, until it stands out again.
+  const StemSurroundings surroundings(photo, left, right, stem.row - 8, photo.height);
+  // Row by row: what differs from what is beside the stem, or else GrabCut's run of wood, over where the rows
+  // above lead; it must be nearer to the bark above than to what is beside it. Where what is behind looks
+  // like bark, rows are carried on as the stem comes down, until it stands out again.
   double usual = width, at = middle, lean = stem.slope;
   const int patience = std::max(8 * width, photo.height / 20);
   int foot = stem.row;
+  Colour bark = bark_of(photo, {stem.row, stem.first, stem.last});
   std::vector<StemRow> rows;
   for (int row = stem.row + 1; row < photo.height && row - foot <= patience; ++row) {
     at += lean;
@@ -180,12 +200,17 @@ int follow_stem_down(const Photograph& photo, const StemCrossing& stem, std::vec
       if (to - from > best_last - best_first) best_first = from, best_last = to;
       x = to;
     }
+    const auto seen =
+        surroundings.row_of(row, static_cast<int>(std::lround(at)), static_cast<int>(std::lround(usual)));
+    if (seen && standing_out(photo, *seen) > (bark_of(photo, *seen) - bark).norm())
+      best_first = seen->first, best_last = seen->last;
     const double run = best_last - best_first + 1, centre = 0.5 * (best_first + best_last);
     if (run > 0.5 * usual && run < 1.6 * usual + 2 && std::abs(centre - at) < 0.5 * usual + 1) {
       lean += 0.01 * (centre - at);
       at += 0.3 * (centre - at);
       usual += 0.05 * (run - usual);
       rows.push_back({row, best_first, best_last});
+      bark += 0.05 * (bark_of(photo, rows.back()) - bark);
       foot = row;
     } else {
       const int first = static_cast<int>(std::lround(at - 0.5 * (usual - 1)));
@@ -194,6 +219,8 @@ int follow_stem_down(const Photograph& photo, const StemCrossing& stem, std::vec
     }
   }
   while (!rows.empty() && rows.back().row > foot) rows.pop_back();
+  surroundings.settle(rows);
+  straighten(rows);
   drop_beyond_foot(photo, rows);
   write_rows(photo, rows, tree);
   return rows.empty() ? stem.row : rows.back().row;

@@ -90,6 +90,7 @@ class Lifter {
   void measure_silhouette() {
     foot_ = axes_.flat(tree_.start[0]);
     for (std::size_t i = 0; i < tree_.size(); ++i) top_ = std::max(top_, tree_.end[i].z() - foot_.y());
+    top_ /= 1 + frame_.top_lead;
     half_width_.assign(kBands + 1, 0);
     for (std::size_t i = 0; i < tree_.size(); ++i) {
       double& width = half_width_[band(tree_.end[i].z() - foot_.y())];
@@ -155,8 +156,7 @@ class Lifter {
     return found;
   }
 
-  /// The depth at which a node's ray is as high as the tree's top in the plane: a told height bounds the
-  /// tree.
+  /// The depth at which a node's ray is as high as the tree is.
   double depth_at_top(std::size_t cylinder) const {
     const double eye = frame_.camera.centre().z(), rise = tree_.end[cylinder].z() - eye;
     return ((top_ + foot_.y() - eye) / rise - 1) * frame_.distance_m;
@@ -185,6 +185,21 @@ class Lifter {
     }
     for (double& r : run) r = start + slope * r;
     return run;
+  }
+
+  /// Depths of the stem: in the plane, but where its top would stand above the tree it bends to the camera.
+  std::vector<double> stem_depths(const Axis& axis) const {
+    const double eye = frame_.camera.centre().z();
+    double bend = 0;
+    std::vector<double> share;
+    for (const std::int32_t node : axis.nodes) {
+      const double z = tree_.end[static_cast<std::size_t>(node)].z(), height = z - foot_.y();
+      share.push_back(std::pow(std::max(0.0, height / top_), 2));
+      if (z > eye && height > top_)
+        bend = std::min(bend, depth_at_top(static_cast<std::size_t>(node)) / share.back());
+    }
+    for (double& s : share) s *= bend;
+    return share;
   }
 
   /// Distance from the middle and the tip of an axis, so placed, to the nearest branch already there.
@@ -233,7 +248,7 @@ class Lifter {
     for (const std::size_t a : order) {
       const Axis& axis = axis_list_[a];
       if (axis.parent_node < 0) {
-        place(axis, std::vector<double>(axis.nodes.size(), 0));
+        place(axis, stem_depths(axis));
         continue;
       }
       const std::vector<double> found =

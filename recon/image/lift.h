@@ -17,12 +17,13 @@ struct LiftOptions {
   void validate() const;
 };
 
-/// Cylinder i ends at skeleton node i + 1. The stem lies in the frame's plane. A branch leaves its bearer at
-/// its order's opening angle (the 90th percentile of those seen), to the side where it is farther from the
-/// branches already placed, longest first (Okabe, Owada & Igarashi 2005); no branch leaves the plane farther
-/// than the silhouette is wide at its height. Radii are the picture's, at their depth. Quality: measured on
-/// the stem, extrapolated wherever the depth is invented or a gap is crossed. Throws SolverError when rays do
-/// not meet the plane (a camera turned away from the tree).
+/// Cylinder i ends at skeleton node i + 1. The stem lies in the frame's plane; where the frame's top
+/// lead says that the tree is lower than its top looks, the stem bends to the camera. A branch leaves its
+/// bearer at its order's opening angle (the 90th percentile of those seen), to the side where it is farther
+/// from the branches already placed, longest first (Okabe, Owada & Igarashi 2005); no branch leaves the plane
+/// farther than the silhouette is wide at its height. Radii are the picture's, at their depth. Quality:
+/// measured on the stem, extrapolated wherever the depth is invented or a gap is crossed. Throws SolverError
+/// when rays do not meet the plane (a camera turned away from the tree).
 Tree lift(const PlaneSkeleton& skeleton, const PictureFrame& frame, const LiftOptions& options = {});
 
 }  // namespace dendrofit

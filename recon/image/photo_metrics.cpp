@@ -20,11 +20,17 @@ double edge_error_px(const Silhouette& s) {
   return s.from_mask ? 0.5 : 0.75;
 }
 
-/// How far the top may stand before or behind the plane (a third of the crown's half-width), seen at its
-/// elevation, changes the height by this share.
-double perspective_error(const OutlineMetrics& outline, const PictureFrame& frame) {
-  const double rise = outline.height - (frame.camera.centre().z() - frame.foot.z());
-  return std::abs(rise) / std::max(outline.height, 1e-9) * (outline.width / 6) / frame.distance_m;
+/// Root mean square distance of the top fifth's pixels from the foot's column.
+double spread_of_top(const Silhouette& s, const OutlinePixels& o) {
+  double sum = 0, count = 0;
+  const int end = static_cast<int>(o.top.y() + 0.2 * (o.foot.y() - o.top.y()));
+  for (int y = static_cast<int>(o.top.y()); y < end; ++y)
+    for (int x = 0; x < s.width; ++x)
+      if (s.tree[s.pixel(x, y)]) {
+        sum += std::pow(x + 0.5 - o.foot.x(), 2);
+        ++count;
+      }
+  return count > 0 ? std::sqrt(sum / count) : 0;
 }
 
 }  // namespace
@@ -53,14 +59,14 @@ OutlinePixels trace_outline(const Silhouette& s) {
     o.foot_width = last + 1 - first;
   }
   if (last_row <= first_row) throw SolverError("no tree found: the silhouette is empty");
+  o.top_spread = spread_of_top(s, o);
   return o;
 }
 
 OutlineMetrics measure_outline(const Silhouette& s, const OutlinePixels& o, const PlaneSkeleton& skeleton,
                                const PictureFrame& frame) {
   OutlineMetrics m;
-  const auto top = frame.point(o.top);
-  m.height = top ? top->z() - frame.foot.z() : 0;
+  m.height = frame.height_to(o.top);
   const Vec3 right = frame.away.cross(Vec3::UnitZ());
   const auto l = frame.point({o.left, o.left_row}), r = frame.point({o.right, o.right_row});
   if (l && r) m.width = (*r - *l).dot(right);
@@ -100,12 +106,11 @@ TreeMetrics photo_metrics(const Tree& tree, const OutlineMetrics& outline, const
   m.crown_diameter_m = outline.width;
   if (!metric) m.dbh_m.reset();
   const bool given = frame.scale_source == "height";
-  const double perspective = perspective_error(outline, frame);
   // A given height fixes the top's distance from the foot; what is open then is the scale at the stem.
   m.intervals["height_m"] =
-      about(m.height_m, given ? frame.scale_error : std::hypot(frame.scale_error, perspective));
+      about(m.height_m, given ? frame.scale_error : std::hypot(frame.scale_error, frame.top_lead_error));
   const double tilt = frame.known_camera || silhouette.horizon_px ? 0 : 0.03;
-  const double scale = std::hypot(frame.scale_error, given ? perspective : 0, tilt);
+  const double scale = std::hypot(frame.scale_error, given ? frame.top_lead_error : 0, tilt);
   if (m.dbh_m) {
     const double pixels = *m.dbh_m / frame.metres_per_pixel(frame.foot);
     const double relative = std::hypot(1.4 * edge_error_px(silhouette) / std::max(1.0, pixels), scale);
@@ -134,7 +139,7 @@ void tell_scale(const PictureFrame& frame, const Silhouette& silhouette, const O
         text, sizeof text,
         "taken from %.1f tree heights away: a top that leans to or from the camera changes the scale by "
         "about %.0f %%; two heights away are better",
-        heights, 100 * perspective_error(outline, frame));
+        heights, 100 * frame.top_lead_error);
     warnings.push_back(text);
   }
 }

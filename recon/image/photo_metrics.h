@@ -13,6 +13,7 @@ struct OutlinePixels {
   Eigen::Vector2d foot = Eigen::Vector2d::Zero();  ///< middle of the lowest row
   Eigen::Vector2d top = Eigen::Vector2d::Zero();   ///< middle of the highest row
   double foot_width = 0;
+  double top_spread = 0;       ///< rms distance of the top fifth's pixels from the foot's column
   double left = 0, right = 0;  ///< columns of the outermost pixels, and
   double left_row = 0, right_row = 0;
   double area = 0;  ///< pixels, by cover

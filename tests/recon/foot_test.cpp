@@ -34,6 +34,15 @@ TEST(Foot, two_stems_have_two_feet_the_thicker_first) {
   EXPECT_NEAR(feet[1].position.x(), 0, 0.02);
 }
 
+TEST(Foot, a_stem_seen_from_one_side_has_its_own_axis_and_thickness) {
+  PointCloud cloud;
+  test::add_wood(cloud, {0, 0, 0}, {0, 0, 4}, 0.1, 0.06, 0.01, 0.001, 0, 0.45);
+  const auto feet = feet_of(cloud.points);
+  ASSERT_EQ(feet.size(), 1u);
+  EXPECT_NEAR(feet[0].position.head<2>().norm(), 0, 0.02);  // the points' mean lies 6 cm off
+  EXPECT_NEAR(feet[0].diameter_m, 0.2, 0.02);
+}
+
 TEST(Foot, foliage_without_a_trunk_is_refused_with_the_reason) {
   Random random(9);
   std::vector<Vec3> points;

@@ -48,6 +48,21 @@ TEST(NameAxes, one_wrong_radius_in_the_crotch_does_not_decide) {
   EXPECT_EQ(tree.order[11], 1);
 }
 
+TEST(NameAxes, a_long_thick_piece_outweighs_a_short_thin_one) {
+  Tree tree = fork();
+  tree.end[2] = {0, 0, 0.4};  // the straight branch: 20 cm, then 10 cm that one bad view made thin
+  for (std::size_t i = 3; i < 7; ++i) {
+    tree.start[i] = tree.end[i - 1];
+    tree.end[i] = tree.start[i] + Vec3(0, 0, 0.1);
+  }
+  std::vector<double> seen(tree.size(), 0.025);
+  seen[2] = 0.04;
+  seen[3] = 0.012;
+  name_axes(tree, seen);
+  EXPECT_EQ(tree.order[6], 0);
+  EXPECT_EQ(tree.order[11], 1);
+}
+
 TEST(NameAxes, of_equals_the_straighter_goes_on) {
   Tree tree = fork();
   name_axes(tree, std::vector<double>(tree.size(), 0.02));

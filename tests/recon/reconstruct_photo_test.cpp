@@ -28,9 +28,19 @@ Photograph masked(const Silhouette& silhouette) {
 
 TEST(ReconstructPhoto, measures_what_a_drawing_holds) {
   // From row 390 to row 55: at 3.35 m a pixel is a centimetre.
+  // Drawn flat: as from far away.
   ReconstructPhotoOptions options;
   options.height_m = 3.35;
-  const PhotoReconstruction r = reconstruct_photo(masked(test::drawn_fork().silhouette), options);
+  const Photograph photo = masked(test::drawn_fork().silhouette);
+  Camera far;
+  far.width = photo.width;
+  far.height = photo.height;
+  far.fx = far.fy = 20000;
+  far.cx = 0.5 * photo.width;
+  far.cy = 0.5 * photo.height;
+  far.rotation << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  options.camera = far;
+  const PhotoReconstruction r = reconstruct_photo(photo, options);
   ASSERT_TRUE(r.has_tree);
   EXPECT_NEAR(r.metrics.height_m, 3.35, 1e-6);
   EXPECT_NEAR(r.outline.width, 1.7, 0.05);

@@ -98,9 +98,12 @@ TEST(Carve, TheSameForAnyNumberOfThreads) {
 TEST(Carve, AHullTooLargeIsKeptInLargerCells) {
   const Scene s = scene(test::small_tree(), 4);
   const Hull fine = carve(s.cameras, s.outlines, {.cell_m = 0.02, .threads = 1});
-  const Hull coarse = carve(s.cameras, s.outlines, {.cell_m = 0.02, .most_cells = 1000, .threads = 1});
+  const Hull coarse = carve(s.cameras, s.outlines,
+                            {.cell_m = 0.02, .most_cells = 1000, .most_coarse_cells = 1000, .threads = 1});
+  const Hull twice = carve(s.cameras, s.outlines, {.cell_m = 0.02, .most_cells = 1000, .threads = 1});
   EXPECT_DOUBLE_EQ(fine.cell_m, 0.02);
-  EXPECT_GE(coarse.cell_m, 0.04);
+  EXPECT_DOUBLE_EQ(twice.cell_m, 0.04);
+  EXPECT_GE(coarse.cell_m, 0.08);
   EXPECT_LT(coarse.cells.size(), fine.cells.size() / 2);
   EXPECT_GT(coarse.cells.size(), 50U);
   const Bounds a = bounds_of(fine.cells), b = bounds_of(coarse.cells);

@@ -101,6 +101,90 @@ TEST(Frame, pitches_an_unknown_camera_by_the_horizon) {
   EXPECT_NEAR(level.z(), 0, 1e-9);
 }
 
+/// What a camera on the level sees of a dome-shaped crown of wood, 6 m tall and 2 m in radius, from
+/// `distance` away: foot, highest point, and the spread and width of its silhouette.
+struct Dome {
+  Eigen::Vector2d foot, top{0, 1e9};
+  FrameOptions options;
+  explicit Dome(double distance) {
+    Camera camera = camera_before(0);
+    camera.width = 3000;
+    camera.height = 3000;
+    camera.cx = camera.cy = 1500;
+    camera.fx = camera.fy = 1500;
+    camera.k1 = 0;
+    camera.translation = -(camera.rotation * Vec3(0, -distance, 1.7));
+    foot = *camera.project(Vec3::Zero());
+    std::vector<Eigen::Vector2d> seen;
+    for (double x = -2; x <= 2; x += 0.02)
+      for (double y = -2; y <= 2; y += 0.02)
+        for (double z = 6 - (x * x + y * y) / 4; z > 4; z -= 0.1)
+          if (x * x + y * y < 4) seen.push_back(*camera.project({x, y, z}));
+    double left = 1e9, right = 0, sum = 0, count = 0;
+    for (const auto& p : seen) {
+      if (p.y() < top.y()) top = p;
+      left = std::min(left, p.x());
+      right = std::max(right, p.x());
+    }
+    for (const auto& p : seen)
+      if (p.y() < top.y() + 0.2 * (foot.y() - top.y())) sum += std::pow(p.x() - foot.x(), 2), ++count;
+    options.camera = camera;
+    options.crown_width_px = right - left;
+    options.top_spread_px = std::sqrt(sum / count);
+  }
+};
+
+TEST(Frame, knows_that_the_highest_wood_seen_leans_to_the_camera) {
+  for (const double distance : {7.0, 9.0, 13.0}) {
+    Dome dome(distance);
+    dome.options.height_m = 6;
+    dome.options.eye_height_m = 5;  // unlikely: nothing but the crown's shape tells
+    const PictureFrame frame = frame_tree(3000, 3000, dome.foot, dome.top, 0, dome.options);
+    EXPECT_NEAR(frame.height_to(dome.top), 6, 1e-9);
+    // Taken to stand in the stem's plane the top would be seen this much too high.
+    const double lead = (1.7 + (6 - 1.7) * (1 + 4.3 / distance / distance)) / 6 - 1;
+    EXPECT_GT(frame.top_lead, 0.5 * lead) << distance;
+    EXPECT_LT(frame.top_lead, 1.2 * lead) << distance;
+    EXPECT_LT(std::abs(frame.distance_m / distance - 1), frame.top_lead_error);
+  }
+}
+
+TEST(Frame, lets_a_likely_eye_height_count_beside_a_told_height_and_an_unlikely_one_not) {
+  Dome dome(8);
+  const auto distance = [&](double height, double eye) {
+    dome.options.height_m = height;
+    dome.options.eye_height_m = eye;
+    return frame_tree(3000, 3000, dome.foot, dome.top, 0, dome.options).distance_m;
+  };
+  // The camera stands 1.7 m above the foot; the height is told 4 % too low.
+  const double unlikely = distance(5.76, 4), likely = distance(5.76, 1.7);
+  EXPECT_LT(unlikely, likely);
+  EXPECT_LT(likely, 8);
+  EXPECT_DOUBLE_EQ(unlikely, distance(5.76, 0.5));
+}
+
+TEST(Lift, bends_a_stem_to_the_camera_where_its_top_would_stand_too_high) {
+  const PlaneSkeleton skeleton = ladder();
+  FrameOptions options = of_height(7);
+  options.top_spread_px = 60;
+  options.crown_width_px = 360;
+  const PictureFrame frame = frame_tree(600, 900, skeleton.px[0], skeleton.px.back(), 14, options);
+  ASSERT_GT(frame.top_lead, 0.01);
+  const Tree tree = lift(skeleton, frame);
+  double highest = 0;
+  for (std::size_t i = 0; i < tree.size(); ++i) {
+    highest = std::max(highest, tree.end[i].z());
+    EXPECT_LT((*frame.camera.project(tree.origin_shift + tree.end[i]) - skeleton.px[i + 1]).norm(), 1e-6);
+    if (tree.order[i] != 0) continue;
+    const double depth = tree.end[i].dot(frame.away);
+    EXPECT_LE(depth, 1e-9);
+    EXPECT_TRUE(tree.end[i].z() > 1.4 || depth > -0.02) << depth;
+  }
+  double flat = 0;
+  for (const auto& px : skeleton.px) flat = std::max(flat, frame.point(px)->z() - frame.foot.z());
+  EXPECT_NEAR(highest, flat / (1 + frame.top_lead), 0.01);
+}
+
 TEST(Frame, refuses_what_contradicts_the_picture) {
   EXPECT_THAT(
       [] {
