@@ -10,6 +10,7 @@
 #include "cli/tree_files.h"
 #include "cli/version.h"
 #include "core/atomic_file.h"
+#include "core/errors.h"
 #include "fit/fit_trees.h"
 #include "fit/tree_simulator.h"
 #include "forward/virtual_scan/virtual_scan.h"
@@ -78,7 +79,7 @@ class Fit : public Command {
     const Tree& observed = *model;
 
     if (through_scan_) options.observe = observer(session, measure(observed).height_m);
-    const TreeFit fit = fit_tree(observed, options, session.progress());
+    const TreeFit fit = fit_or_say_how_to_resume(session, observed, options, checkpoint);
     write_results(session, folder, inputs.front(), fit);
     for (const fs::path& other : fit_.inputs()) inputs.push_back(other);
     write_file(folder / "run.toml", run_record(session, inputs));
@@ -91,6 +92,17 @@ class Fit : public Command {
   }
 
  private:
+  static TreeFit fit_or_say_how_to_resume(Session& session, const Tree& observed, const FitOptions& options,
+                                          const fs::path& checkpoint) {
+    try {
+      return fit_tree(observed, options, session.progress());
+    } catch (const Cancelled&) {
+      if (fs::exists(checkpoint))
+        session.warn("the same command with --resume goes on from " + checkpoint.string());
+      throw;
+    }
+  }
+
   int run_several(Session& session, const FitOptions& options) const {
     if (resume_ || through_scan_) throw UsageError("--resume and --through-scan: for one tree at a time");
     const fs::path folder = prepare_output_folder(output_, session.common());

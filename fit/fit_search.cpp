@@ -21,6 +21,8 @@ constexpr std::size_t kBestTried = 2;
 constexpr std::size_t kNearestDraws = 8;  // of the prior's simulations compete with the posterior's centre
 constexpr double kNearKnown = 0.1;        // of a known coordinate's range
 constexpr double kBesideStart = 0.05;     // of a coordinate's range is searched beside the start at least
+constexpr double kTrusted =
+    1.25;  // distance of the best start up to which the posterior is believed as it is
 constexpr double kLeastDeviation = 0.03;  // of the posterior, in coordinates' ranges
 constexpr std::array kNeverSearched = {"shape", "pipe_exponent", "tip_share", "tau",
                                        "alpha", "sigma",         "b_min",     "b_rise"};
@@ -155,7 +157,7 @@ Eigen::VectorXd best_start(const FitProblem& problem, const PriorInformation& pr
     nearest =
         std::min(nearest, metric.cost(rows.middleRows(static_cast<Eigen::Index>(p) * problem.options.seeds,
                                                       problem.options.seeds)));
-  box.doubt = std::max(1.0, nearest * nearest);
+  box.doubt = std::max(1.0, std::pow(nearest / kTrusted, 2));
   const std::vector<double> costs = note(starts, rows, problem.options.seeds, metric, box, tried, fit);
   return starts[static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) - costs.begin())];
 }

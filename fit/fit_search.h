@@ -20,7 +20,7 @@ struct SearchBox {
   Eigen::VectorXd centre, deviation;  ///< of the posterior, whole points; deviation infinite where not
                                       ///< searched for, or without a posterior
   /// How much less the posterior is believed, in variances: above 1 where even the best start is farther from
-  /// the observed tree than other seeds of one tree are, and the model, with it the posterior, so much off.
+  /// the observed tree than starts are where the model holds, and the model, with it the posterior, is off.
   double doubt = 1;
 
   Eigen::VectorXd full(const Eigen::VectorXd& inner) const;

@@ -10,9 +10,12 @@
 namespace dendrofit {
 namespace {
 
-constexpr int kShowingSeeds = 16;  // the tree of one of so many is shown
+constexpr int kShowingSeeds = 16;     // the tree of one of so many is shown
+constexpr double kShownMeasures = 4;  // what people look for in the one tree shown counts for so much
+constexpr int kSizeSteps = 2;
 // Relative errors that count as much as one standard deviation of a descriptor.
 constexpr double kHeightError = 0.02, kDiameterError = 0.02, kVolumeError = 0.05, kCrownError = 0.05;
+constexpr double kMeanHeightError = 0.01;
 
 /// A grown tree whose radii are yet to be settled. In the pipe model r^v = n tip^v with n tips beyond.
 struct Shown {
@@ -73,8 +76,9 @@ double tip_radius(const Shown& shown, double v) {
                              shown.internode_length_m);
 }
 
-/// Distance and misfits of the measures together, in standard deviations squared.
-double unlikeness(const FitProblem& problem, const NoiseMetric& metric, Shown& shown, double v) {
+/// Distance and misfits of the measures, `weight` times, together, in standard deviations squared.
+double unlikeness(const FitProblem& problem, const NoiseMetric& metric, Shown& shown, double v,
+                  double weight) {
   const double tip = tip_radius(shown, v);
   for (std::size_t i = 0; i < shown.tree.size(); ++i)
     shown.tree.radius[i] = tip * std::exp(shown.log_pipes[i] / v);
@@ -83,20 +87,23 @@ double unlikeness(const FitProblem& problem, const NoiseMetric& metric, Shown& s
       describe_as_observed(shown.tree, shown.internode_length_m, problem.setting, shown.seed);
   const TreeMetrics m = measure(as_observed(shown.tree, problem.setting));
   const auto used = static_cast<double>(metric.used().size());
+  const double measures =
+      misfit(m.height_m, observed.height_m, kHeightError) +
+      misfit(2 * tip * std::exp(shown.log_stem_pipes / v), shown.observed_diameter_m, kDiameterError) +
+      misfit(m.total_volume_m3, observed.total_volume_m3, kVolumeError) +
+      misfit(m.crown_diameter_m, observed.crown_diameter_m, kCrownError);
   return used * metric.cost(Eigen::Map<const Eigen::RowVectorXd>(row.data(), problem.observed.size())) +
-         misfit(m.height_m, observed.height_m, kHeightError) +
-         misfit(2 * tip * std::exp(shown.log_stem_pipes / v), shown.observed_diameter_m, kDiameterError) +
-         misfit(m.total_volume_m3, observed.total_volume_m3, kVolumeError) +
-         misfit(m.crown_diameter_m, observed.crown_diameter_m, kCrownError);
+         weight * measures;
 }
 
 /// unlikeness() of every tree.
 std::vector<double> unlikeness_of(const FitProblem& problem, const NoiseMetric& metric,
-                                  std::vector<Shown>& trees, double v, Progress& progress) {
+                                  std::vector<Shown>& trees, double v, Progress& progress,
+                                  double weight = 1) {
   std::vector<double> costs(trees.size());
   parallel_blocks(trees.size(), 1, problem.options.threads, [&](std::size_t s, std::size_t) {
     progress.check();
-    costs[s] = unlikeness(problem, metric, trees[s], v);
+    costs[s] = unlikeness(problem, metric, trees[s], v, weight);
   });
   return costs;
 }
@@ -140,27 +147,39 @@ std::vector<Shown> grow_all(const FitProblem& problem, const Eigen::VectorXd& po
   return trees;
 }
 
+/// Logarithm of the observed height over the trees' on average.
+double height_off(const FitProblem& problem, const std::vector<Shown>& trees) {
+  std::vector<double> off;
+  for (const Shown& shown : trees)
+    off.push_back(std::log(problem.setting.observed.height_m /
+                           measure(as_observed(shown.tree, problem.setting)).height_m));
+  return mean(off);
+}
+
 /// Where the internode length is given, trees have the observed height only by their number of internodes:
-/// the size at the end of growth is moved by what their heights are off on average, if that makes them less
-/// unlike the observed tree.
+/// the size at the end of growth is moved by what their heights are off on average, as long as the trees with
+/// their mean height (whose error a scan makes is a hundredth) are then less unlike the observed one.
 void settle_size(const FitProblem& problem, const NoiseMetric& metric, Judged& best,
                  std::vector<Shown>& trees, Progress& progress) {
   const Eigen::Index size = problem.space.row("size"), exponent = problem.space.row("pipe_exponent");
   if (!problem.options.internode_length_m || problem.options.held.count("size")) return;
   const double v = problem.space.value(exponent, best.point[exponent]);
-  std::vector<double> off;
-  for (const Shown& shown : trees)
-    off.push_back(std::log(problem.setting.observed.height_m /
-                           measure(as_observed(shown.tree, problem.setting)).height_m));
-  if (!std::isfinite(mean(off))) return;
-  Eigen::VectorXd moved = best.point;
-  moved[size] = problem.space.unit(size, problem.space.value(size, moved[size]) * std::exp(mean(off)));
-  std::vector<Shown> others = grow_all(problem, moved, best.key, progress);
-  if (mean(unlikeness_of(problem, metric, others, v, progress)) >=
-      mean(unlikeness_of(problem, metric, trees, v, progress)))
-    return;
-  best.point = moved;
-  trees = std::move(others);
+  const auto cost = [&](std::vector<Shown>& list) {
+    return mean(unlikeness_of(problem, metric, list, v, progress)) +
+           square(height_off(problem, list) / kMeanHeightError);
+  };
+  double least = cost(trees);
+  for (int step = 0; step < kSizeSteps && std::isfinite(height_off(problem, trees)); ++step) {
+    Eigen::VectorXd moved = best.point;
+    moved[size] = problem.space.unit(
+        size, problem.space.value(size, moved[size]) * std::exp(height_off(problem, trees)));
+    std::vector<Shown> others = grow_all(problem, moved, best.key, progress);
+    const double value = cost(others);
+    if (!(value < least)) return;
+    least = value;
+    best.point = moved;
+    trees = std::move(others);
+  }
 }
 
 }  // namespace
@@ -172,8 +191,8 @@ Judged settle_tree(const FitProblem& problem, const NoiseMetric& metric, const S
   settle_size(problem, metric, best, trees, progress);
   const Eigen::Index row = problem.space.row("pipe_exponent");
   best.point[row] = settle_exponent(problem, metric, box, best.point[row], trees, progress);
-  const std::vector<double> costs =
-      unlikeness_of(problem, metric, trees, problem.space.value(row, best.point[row]), progress);
+  const std::vector<double> costs = unlikeness_of(
+      problem, metric, trees, problem.space.value(row, best.point[row]), progress, kShownMeasures);
   best.shown = static_cast<int>(std::min_element(costs.begin(), costs.end()) - costs.begin());
   best.internode_length_m = trees[static_cast<std::size_t>(best.shown)].internode_length_m;
 

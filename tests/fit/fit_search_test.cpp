@@ -15,6 +15,8 @@ TEST(FitSearch, parameters_far_from_the_posterior_count_against_them) {
   EXPECT_DOUBLE_EQ(box.improbability(box.centre), 0);
   EXPECT_NEAR(box.improbability(Eigen::Vector2d(0.7, 0.9)), 4, 1e-12);   // 2 sd; the second is not searched
   EXPECT_NEAR(box.improbability(Eigen::Vector2d(1.0, 0.5)), 21, 1e-12);  // 5 sd: linear beyond 3
+  box.doubt = 4;  // the model is 2 sd off: so may the posterior be
+  EXPECT_NEAR(box.improbability(Eigen::Vector2d(0.7, 0.9)), 1, 1e-12);
 }
 
 TEST(FitSearch, of_parameter_sets_equally_near_the_probable_one_costs_less) {

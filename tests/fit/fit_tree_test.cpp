@@ -179,6 +179,47 @@ TEST(FitTree, starved_and_poor_input_end_politely) {
   EXPECT_FALSE(bare.warnings.empty());
 }
 
+TEST(FitTree, the_shown_tree_has_the_measures_of_the_observed_one) {
+  const Tree tree = known_tree();
+  FitOptions options = small_budget();
+  options.evaluations = 16;
+  options.internode_length_m.reset();
+  options.bank = repository_bank();
+  options.dbh_m = 1.1 * *measure(tree).dbh_m;  // as measured on a scan beside its model
+  const TreeFit fit = fit_tree(tree, options);
+  const TreeMetrics wanted = measure(tree),
+                    shown = measure(grow_igm(fit.best, {}, {.seed = fit.best_seed}).tree);
+  EXPECT_NEAR(shown.height_m, wanted.height_m, 0.02 * wanted.height_m);
+  EXPECT_NEAR(shown.total_volume_m3, wanted.total_volume_m3, 0.15 * wanted.total_volume_m3);
+  EXPECT_NEAR(shown.crown_diameter_m, wanted.crown_diameter_m, 0.25 * wanted.crown_diameter_m);
+  EXPECT_NEAR(*fit.direct.dbh_m, *options.dbh_m, 1e-12);
+  Tree regrown = regrow(fit.best, fit.direct, fit.best_seed, no_progress()).tree;
+  EXPECT_NEAR(*measure(regrown).dbh_m, *options.dbh_m, 0.02 * *options.dbh_m);
+}
+
+TEST(FitTree, a_tree_that_was_cut_is_compared_with_trees_cut_alike) {
+  constexpr double kThinnest = 0.004;
+  const Tree whole = known_tree(), cut = without_thin_wood(whole, kThinnest);
+  const double height = measure(whole).height_m;
+  ASSERT_LT(measure(cut).height_m, 0.97 * height);
+  FitOptions options = small_budget();
+  options.evaluations = 16;
+  options.bank = repository_bank();
+  const auto mean_height = [&](const TreeFit& fit) {
+    double sum = 0;
+    for (std::uint64_t seed = 1; seed <= 4; ++seed)
+      sum += measure(grow_igm(fit.best, {}, {.seed = seed}).tree).height_m / 4;
+    return sum;
+  };
+  const double taken_for_whole = mean_height(fit_tree(cut, options));
+  options.thinnest_wood_m = kThinnest;
+  const double known_as_cut = mean_height(fit_tree(cut, options));
+  EXPECT_GT(known_as_cut, taken_for_whole);
+  EXPECT_NEAR(known_as_cut, height, 0.06 * height);
+  options.thinnest_wood_m = -1;
+  EXPECT_THROW(fit_tree(cut, options), InputError);
+}
+
 TEST(FitTree, refuses_nonsense) {
   EXPECT_THROW(fit_tree(Tree{}), InputError);
   EXPECT_THROW(fit_tree(test::pole(2), {.evaluations = 0}), InputError);
