@@ -27,7 +27,8 @@ struct DirectEstimates {
 /// tree at least 55 internodes of height: 0.1 m, as in the paper, for trees of 5.5 to 8.2 m.
 double scale_for(double height_m);
 
-/// Of the tree with its stem laid along the thickest wood. Throws InputError for an empty tree. `internode_length_m`: taken as given instead of scale_for(height).
+/// Of the tree with its stem laid along the thickest wood. Throws InputError for an empty tree.
+/// `internode_length_m`: taken as given instead of scale_for(height).
 DirectEstimates estimate_directly(const Tree& observed, std::optional<double> internode_length_m = {});
 
 }  // namespace dendrofit
