@@ -78,6 +78,7 @@ std::string photo_reconstruction_json(const PhotoReconstruction& r) {
 }
 
 std::string photo_overlay(const PhotoInput& input, const PhotoReconstruction& result) {
+  if (!result.has_tree) return encode_png(draw_outline(input.photo, result.silhouette));
   const Vec3 shift = result.tree.origin_shift - input.origin_shift;
   return encode_png(draw_overlay(input.photo, result.frame.camera, result.tree, shift));
 }

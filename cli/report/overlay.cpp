@@ -34,13 +34,18 @@ void ring(Image& image, double x, double y, double radius, Rgb colour) {
   }
 }
 
+int halvings_to(const Photograph& photo, int longest_side_px) {
+  photo.validate();
+  int halvings = 0;
+  while (std::max(photo.width, photo.height) >> halvings > longest_side_px) ++halvings;
+  return halvings;
+}
+
 }  // namespace
 
 Image draw_overlay(const Photograph& photo, const Camera& camera, const Tree& tree, const Vec3& shift,
                    int longest_side_px) {
-  photo.validate();
-  int halvings = 0;
-  while (std::max(photo.width, photo.height) >> halvings > longest_side_px) ++halvings;
+  const int halvings = halvings_to(photo, longest_side_px);
   Image image = pale(photo, halvings);
   const double scale = std::ldexp(1.0, -halvings);
   std::int32_t most = 0;
@@ -59,6 +64,23 @@ Image draw_overlay(const Photograph& photo, const Camera& camera, const Tree& tr
     if (const auto foot = camera.project(tree.start[i] + shift))
       ring(image, scale * foot->x(), scale * foot->y(), 12, order_colour(1));
   }
+  return image;
+}
+
+Image draw_outline(const Photograph& photo, const Silhouette& silhouette, int longest_side_px) {
+  Image image = pale(photo, halvings_to(photo, longest_side_px));
+  const auto inside = [&](int x, int y) {
+    const auto place = [](int i, int count, int of) {
+      return std::clamp(static_cast<int>((i + 0.5) * count / of), 0, count - 1);
+    };
+    return x >= 0 && y >= 0 && x < image.width && y < image.height &&
+           silhouette.tree[silhouette.pixel(place(x, silhouette.width, image.width),
+                                            place(y, silhouette.height, image.height))] != 0;
+  };
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      if (inside(x, y) && !(inside(x - 1, y) && inside(x + 1, y) && inside(x, y - 1) && inside(x, y + 1)))
+        image.blend(x, y, order_colour(0), 1);
   return image;
 }
 
