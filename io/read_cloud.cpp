@@ -5,6 +5,7 @@
 #include "io/cloud_formats.h"
 #include "io/coordinate_limit.h"
 #include "io/text_numbers.h"
+#include "io/tree_formats.h"
 
 #include <algorithm>
 #include <array>
@@ -23,6 +24,17 @@ double shift_of(const std::vector<Vec3>& points, int axis) {
   std::nth_element(values.begin(), values.begin() + samples / 2, values.end());
   const double middle = values[samples / 2];
   return std::abs(middle) < 100 ? 0 : std::round(middle / 100) * 100;
+}
+
+/// Cylinders in a table would pass for points: many of these tables have no header, some have columns x, y
+/// and z.
+void refuse_tree(const FileBytes& bytes) {
+  if (trimmed(bytes.view()).empty()) return;
+  if (const auto format = tree_format_in(bytes))
+    fail_in_file(bytes.path(),
+                 "is a tree model (" + std::string(to_string(*format)) +
+                     "), not a point cloud: its lines are cylinders; give the scan it was made from, or "
+                     "the model to a command that takes models (fit, leaves, view, convert)");
 }
 
 }  // namespace
@@ -100,6 +112,7 @@ PointCloud read_point_cloud(const std::filesystem::path& path, const ReadCloudOp
       case CloudFormat::e57:
         return read_e57(bytes, progress);
       case CloudFormat::text:
+        if (!options.columns) refuse_tree(bytes);
         return read_text_cloud(bytes, options, progress);
     }
     fail_in_file(path, "unknown cloud format");

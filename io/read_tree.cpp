@@ -23,15 +23,8 @@ std::optional<TreeFormat> format_of_header(const FileBytes& bytes) {
   return std::nullopt;
 }
 
-std::optional<TreeFormat> sniff(const FileBytes& bytes) {
-  if (is_mat(bytes)) return TreeFormat::treeqsm_mat;
-  if (is_treefile(bytes)) return TreeFormat::treefile;
-  if (is_treeqsm_text(bytes)) return TreeFormat::treeqsm_text;
-  return format_of_header(bytes);
-}
-
 TreeFormat format_or_fail(const FileBytes& bytes) {
-  if (const auto format = sniff(bytes)) return *format;
+  if (const auto format = tree_format_in(bytes)) return *format;
   require_text(bytes);
   const std::string_view line = bytes.view().substr(0, bytes.view().find('\n'));
   fail_at_line(bytes.path(), 1,
@@ -41,6 +34,13 @@ TreeFormat format_or_fail(const FileBytes& bytes) {
 }
 
 }  // namespace
+
+std::optional<TreeFormat> tree_format_in(const FileBytes& bytes) {
+  if (is_mat(bytes)) return TreeFormat::treeqsm_mat;
+  if (is_treefile(bytes)) return TreeFormat::treefile;
+  if (is_treeqsm_text(bytes)) return TreeFormat::treeqsm_text;
+  return format_of_header(bytes);
+}
 
 std::string_view to_string(TreeFormat format) {
   return kNames[static_cast<std::size_t>(format)];

@@ -5,11 +5,16 @@
 #include "core/tree.h"
 #include "io/csv_table.h"
 #include "io/file_bytes.h"
+#include "io/read_tree.h"
 
 #include <filesystem>
+#include <optional>
 #include <string_view>
 
 namespace dendrofit {
+
+// The format of a tree model, told by the content; none when it is something else.
+std::optional<TreeFormat> tree_format_in(const FileBytes& bytes);
 
 // Our own table (contract: id,parent,axis,order,start_x,...).
 Tree read_qsm_csv(const FileBytes& bytes);

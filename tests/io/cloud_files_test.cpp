@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/read_cloud.h"
 #include "io/write_cloud.h"
+#include "io/write_tree.h"
 #include "tests/io/samples.h"
 #include "tests/io/text_samples.h"
 
@@ -280,6 +281,26 @@ TEST(TextCloud, FollowsWhatItIsTold) {
   EXPECT_THAT(refusal([&] { read_point_cloud(path, {.columns = "x,y"}); }),
               HasSubstr("expected a list with x, y and z"));
   EXPECT_THROW(read_point_cloud(path, {.delimiter = '|'}), InputError);
+}
+
+TEST(TextCloud, RefusesTreeModels) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "model.txt";
+  for (const TreeFormat format :
+       {TreeFormat::ours, TreeFormat::treeqsm_text, TreeFormat::treefile, TreeFormat::simpleforest_csv,
+        TreeFormat::archi_csv, TreeFormat::arbor_csv}) {
+    write_tree(path, test::sample_tree(), format);
+    EXPECT_THAT(refusal([&] { read_point_cloud(path); }),
+                HasSubstr("is a tree model (" + std::string(to_string(format)) + "), not a point cloud"));
+  }
+  // Points with a normal and much else stay points, and so does whatever the user names columns of.
+  std::string points;
+  for (int i = 0; i < 3; ++i) points += "1 2 3 4 5 0 0 1 0.5 7 8 9 10 11 12\n";
+  EXPECT_EQ(read_point_cloud(folder.file("normals.xyz", points)).size(), 3U);
+  EXPECT_EQ(read_point_cloud(folder.file("ends.csv", "x,y,z,radius,parent_id\n1,2,3,4,5\n"),
+                             {.columns = "x,y,z,-,-"})
+                .size(),
+            1U);
 }
 
 TEST(TextCloud, RefusesWithLineAndColumn) {
