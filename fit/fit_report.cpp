@@ -175,6 +175,12 @@ void warn(const FitProblem& problem, const PosteriorSample& posterior, TreeFit& 
                            names +
                            "; none of its parameters can be told, take them as a description of "
                            "the nearest tree");
+  } else if (!(fit.cost_after < fit.cost_before)) {
+    fit.warnings.push_back(fmt::format(
+        "the fit came no nearer to this tree (distance {:.2f}) than the middle of the prior's trees "
+        "({:.2f}): size "
+        "and wood of the regrown tree are this tree's, its shape is not; a larger budget may help",
+        fit.cost_after, fit.cost_before));
   }
   if (!posterior.outlying.empty()) {
     std::string names;
