@@ -101,7 +101,7 @@ std::map<Key, Cell> flat_cells(const std::vector<Vec3>& points) {
 }
 
 template <class Visit>
-void visit_about(const Key& key, Visit visit) {
+void visit_about(Key key, Visit visit) {  // a copy: what is visited may join the list it stands in
   for (int dx = -1; dx <= 1; ++dx)
     for (int dy = -1; dy <= 1; ++dy)
       for (int dz = -1; dz <= 1; ++dz) visit(Key{key[0] + dx, key[1] + dy, key[2] + dz});
