@@ -13,8 +13,9 @@ namespace {
 constexpr double kIdentifiableShrinkage = 0.3;
 constexpr double kPairedShrinkage = 0.1;
 constexpr double kPairCorrelation = 0.6;
-constexpr double kPoorCost = 4;  // 2 sd a descriptor
-constexpr double kErratic = 2;   // trees of one parameter set that differ this much are not one kind of tree
+constexpr double kPoorCost = 4;    // 2 sd a descriptor
+constexpr double kSeedsApart = 1;  // two seeds of one tree
+constexpr double kErratic = 2;  // trees of one parameter set that differ this much are not one kind of tree
 constexpr int kFewForPosterior = 100;
 // A tree that lacks more of the descriptors, or is stranger in more of them, is outside what the simulations
 // know: what regressions say there is guessing.
@@ -175,7 +176,7 @@ void warn(const FitProblem& problem, const PosteriorSample& posterior, TreeFit& 
                            names +
                            "; none of its parameters can be told, take them as a description of "
                            "the nearest tree");
-  } else if (!(fit.cost_after < fit.cost_before)) {
+  } else if (fit.cost_after > kSeedsApart && !(fit.cost_after < fit.cost_before)) {
     fit.warnings.push_back(fmt::format(
         "the fit came no nearer to this tree (distance {:.2f}) than the middle of the prior's trees "
         "({:.2f}): size "

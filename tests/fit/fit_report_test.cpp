@@ -30,6 +30,7 @@ TEST(FitReport, says_when_the_fit_came_no_nearer_or_cannot_follow) {
   const char* no_nearer = "came no nearer to this tree";
   EXPECT_TRUE(warned(2.8, 3.0, no_nearer));
   EXPECT_FALSE(warned(2.8, 2.7, no_nearer));
+  EXPECT_FALSE(warned(0.6, 0.7, no_nearer));  // as near as another seed of the same tree
   const char* cannot = "the growth model cannot follow this tree";
   EXPECT_TRUE(warned(3.8, 4.5, cannot));
   EXPECT_FALSE(warned(3.8, 4.5, no_nearer));  // said once, and by the graver word
