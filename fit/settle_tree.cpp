@@ -150,6 +150,7 @@ std::vector<Shown> grow_all(const FitProblem& problem, const Eigen::VectorXd& po
 /// Logarithm of the observed height over the trees' on average.
 double height_off(const FitProblem& problem, const std::vector<Shown>& trees) {
   std::vector<double> off;
+  off.reserve(trees.size());
   for (const Shown& shown : trees)
     off.push_back(std::log(problem.setting.observed.height_m /
                            measure(as_observed(shown.tree, problem.setting)).height_m));

@@ -135,6 +135,7 @@ std::vector<int> StemSurroundings::edge(const std::vector<std::vector<float>>& g
 void StemSurroundings::settle(std::vector<StemRow>& rows) const {
   if (rows.empty()) return;
   std::vector<float> widths;
+  widths.reserve(rows.size());
   for (const StemRow& row : rows) widths.push_back(static_cast<float>(row.last - row.first + 1));
   const int width = std::max(3, static_cast<int>(std::lround(median(widths))));
   std::vector<StemRow> settled = rows;
