@@ -113,6 +113,7 @@ double standing_out(const Photograph& photo, const StemRow& row) {
 void drop_beyond_foot(const Photograph& photo, std::vector<StemRow>& rows) {
   if (rows.empty()) return;
   std::vector<double> contrast;
+  contrast.reserve(rows.size());
   for (const StemRow& row : rows) contrast.push_back(standing_out(photo, row));
   contrast = running_median(contrast, 7);
   std::vector<double> sorted = contrast;

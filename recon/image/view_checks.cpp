@@ -192,6 +192,7 @@ void measure_from_views(Reconstruction& model, const std::vector<Camera>& camera
   model.metrics = measure(model.tree, MetricsOptions{.dbh_height_m = dbh_height_m});
   model.foot = model.tree.origin_shift + model.tree.start.front();
   std::vector<double> footprint;
+  footprint.reserve(cameras.size());
   const Vec3 middle = 0.5 * (bounds_of(model.tree.end).lo + bounds_of(model.tree.end).hi);
   for (const Camera& camera : cameras) footprint.push_back(camera.depth(middle) / camera.fx);
   std::sort(footprint.begin(), footprint.end());
